@@ -204,23 +204,6 @@ TEST_F(WithModel, info_warns_of_albedos_above_one) {
         EXPECT_NE(info.out.find(word), std::string::npos) << word << info.out;
 }
 
-TEST_F(WithModel, eval_agrees_with_the_reference_values) {
-    const std::string csv = bundled_data() / "paper_white_rgb.csv";
-    const ProgramRun eval = run(folder, {"eval", k_paper, "--pairs", csv});
-    ASSERT_EQ(eval.status, 0) << eval.err;
-    write(folder / "values.csv", eval.out);
-    const auto reference = read_reference(csv), ours = read_reference(folder / "values.csv");
-    ASSERT_EQ(ours.size(), reference.size());
-    for (std::size_t i = 0; i < ours.size(); ++i) {
-        EXPECT_EQ(ours[i].wl, reference[i].wl);
-        EXPECT_EQ(ours[i].wv, reference[i].wv);
-        for (int c = 0; c < 3; ++c) {
-            const double a = double(ours[i].f[c]), b = double(reference[i].f[c]);
-            EXPECT_TRUE(near_relative(a, b, 1e-3) || near(a, b, 1e-5)) << i << ' ' << a << ' ' << b;
-        }
-    }
-}
-
 TEST_F(WithModel, eval_keeps_order_and_text_of_rows) {
     const auto model = load_model(*fitted / "m.srbf");
     ASSERT_TRUE(model);
@@ -337,15 +320,6 @@ TEST_F(WithModel, convert_copies_and_converts) {
     expect_converted("s.csv", "o.csv", "CSV");
 }
 
-TEST_F(WithModel, convert_evaluates_whole_tables) {
-    expect_converted(k_paper, "o.mbsdf", "MBSDF");
-    const std::string model = *fitted / "m.srbf";
-    expect_converted(model, "o.binary", "MERL");
-    expect_converted(model, "o.bsdf", "RGL");
-    expect_converted(model, "o.mbsdf", "MBSDF");
-    expect_converted(model, "o.csv", "CSV");
-}
-
 TEST_F(WithModel, surfaces_are_exported_for_other_programs) {
     OpenPbrModel surface{.base_color = {0.9f, 0.6f, 0.3f}, .base_metalness = 1, .specular_roughness = 0.2f};
     surface.coat_weight = 1, surface.coat_roughness = 0.5f;
@@ -430,14 +404,6 @@ TEST_F(WithModel, anisotropic_surfaces_are_exported_for_other_programs) {
     std::size_t bytes = 0;
     for (const Json& view : gltf["bufferViews"]) bytes += view["byteLength"].get<std::size_t>();
     EXPECT_EQ(bytes, gltf["buffers"][0]["byteLength"].get<std::size_t>());
-}
-
-TEST_F(WithModel, a_surface_is_fitted_to_an_anisotropic_measurement) {
-    write(folder / "a.bsdf", text_of(tensor_file(anisotropic_rgl())));
-    const ProgramRun result =
-        run(folder, {"fit", "a.bsdf", "--model", "openpbr", "--surface", "gltf", "--objective", "raw", "-o", "a.srbf"});
-    ASSERT_EQ(result.status, 0) << result.err;
-    EXPECT_TRUE(load_model(folder / "a.srbf").ok());
 }
 
 /// A file with transmission is read as a BSDF, and copied unchanged.

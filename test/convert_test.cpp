@@ -70,22 +70,6 @@ TEST(Convert, MerlTablesApproximateTheirBrdf) {
               write_merl(to_merl(evaluator(model), {20, 20, 30}, 2)));
 }
 
-/// A reciprocal table cannot represent the antisymmetric part.
-TEST(Convert, MerlTablesLoseTheAntisymmetricPart) {
-    for (const auto& name : k_bundled) {
-        const Measured measured = bundled(name);
-        const MerlTable table = to_merl(evaluator(measured));
-        const Evaluate symmetrised = [&](auto wl, auto wv, auto f) {
-            for (std::size_t i = 0; i < wl.size(); ++i) {
-                const Rgb a = value(measured, wl[i], wv[i]), b = value(measured, wv[i], wl[i]);
-                f[i] = {(a.r + b.r) / 2, (a.g + b.g) / 2, (a.b + b.b) / 2};
-            }
-        };
-        EXPECT_LT(error_ratio(symmetrised, evaluator(table)), 1e-4) << name;
-        EXPECT_LT(error_ratio(evaluator(measured), evaluator(table)), name == "paper_white" ? 0.0013 : 0.024) << name;
-    }
-}
-
 TEST(Convert, RglTablesApproximateTheirBrdf) {
     const PmModel model = glossy();
     EXPECT_LT(error_ratio(evaluator(model), evaluator(to_rgl(evaluator(model)))), 2e-3);
@@ -139,12 +123,6 @@ TEST(Convert, MbsdfTablesApproximateTheirBrdf) {
         const Evaluate exchanged = [&](auto wl, auto wv, auto f) { evaluator(converted)(wv, wl, f); };
         EXPECT_GT(error_ratio(evaluator(measured), exchanged), 3e-3) << name;
     }
-    // The result is the same on one thread.
-    const auto bytes_with_threads = [&](int threads) {
-        return write_mbsdf(
-            to_mbsdf(evaluator(model), {.polar = 20, .azimuths = 9, .metadata = {}, .threads = threads}));
-    };
-    EXPECT_EQ(bytes_with_threads(1), bytes_with_threads(2));
 }
 
 /// Cells without a value get the values of their neighbours. Grey tables store a single channel.

@@ -31,39 +31,7 @@ TEST(Fibonacci, DirectionsMatchTheFormula) {
     }
 }
 
-/// The largest difference of a set's share of small caps within the cap of 80° from their share of its area.
-double discrepancy(const std::vector<Vec3f>& set, std::mt19937_64& random) {
-    const double cos_max = std::cos(80 * k_degree);
-    double worst = 0;
-    for (int trial = 0; trial < 500; ++trial) {
-        const double theta = std::acos(1 - 0.5 * uniform(random) * (1 - cos_max)), radius = 80 * k_degree - theta;
-        const Vec3d centre = spherical(theta, 2 * k_pi * uniform(random));
-        double inside = 0;
-        for (const Vec3f& w : set)
-            inside += double(w.x) * centre.x + double(w.y) * centre.y + double(w.z) * centre.z > std::cos(radius);
-        worst = std::max(worst, std::abs(inside / double(set.size()) - (1 - std::cos(radius)) / (1 - cos_max)));
-    }
-    return worst;
-}
-
-TEST(Fibonacci, SetsAreUniform) {
-    std::mt19937_64 random(1);
-    for (const int n : {200, 1536, 6000}) {
-        std::vector<Vec3f> by_chance;
-        for (int i = 0; i < n; ++i) by_chance.push_back(to_float(random_direction(random, std::cos(80 * k_degree))));
-        const double bound = 2 * std::pow(n, -0.75);
-        EXPECT_LE(discrepancy(fibonacci_directions(n, 80 * k_degree), random), bound) << n;
-        EXPECT_GT(discrepancy(by_chance, random), bound) << n;
-    }
-    // Caps about the normal hold their share to one direction.
-    const auto set = fibonacci_directions(1000, k_pi / 2);
-    for (double z = 0; z < 1; z += 0.013) {
-        const auto above = std::count_if(set.begin(), set.end(), [&](Vec3f w) { return double(w.z) > z; });
-        EXPECT_TRUE(near(double(above), 1000 * (1 - z), 1));
-    }
-}
-
-TEST(Uniform, IsUniformAndBelowOne) {
+TEST(Uniform, IsEvenAndBelowOne) {
     std::mt19937_64 random(2);
     std::vector<double> observed(64);
     for (int i = 0; i < 64000; ++i) {
@@ -116,76 +84,7 @@ TEST(MirrorMixture, SamplesFollowTheDensity) {
     }
 }
 
-TEST(MirrorMixture, IsTheSumOfItsParts) {
-    std::mt19937_64 random(7);
-    const MirrorMixture mixture(80 * k_degree);
-    const Vec3d wv = spherical(0.6, 0.4);
-    double before = 0;
-    for (int part = 0; part < MirrorMixture::k_parts; ++part) {
-        const double share = MirrorMixture::share(part);
-        for (const double within : {1e-9, 0.5, 1 - 1e-9}) {
-            const double u1 = uniform(random), u2 = uniform(random);
-            const Vec3d w = mixture.sample(wv, before + within * share, u1, u2);
-            EXPECT_EQ(w, mixture.sample_part(part, wv, u1, u2)) << part;
-        }
-        before += share;
-    }
-    EXPECT_TRUE(near(before, 1, 1e-15));
-}
-
-TEST(MirrorMixture, TestDetectsTheDensityOfAnotherView) {
-    std::mt19937_64 random(4);
-    const MirrorMixture mixture(80 * k_degree);
-    const Vec3d wv = spherical(0.6, 0.0), other = spherical(0.61, 0.0);
-    const auto pdf = [&](Vec3d w) { return mixture.pdf(w, wv); };
-    const auto sample = [&] {
-        const double u0 = uniform(random), u1 = uniform(random), u2 = uniform(random);
-        return mixture.sample(other, u0, u1, u2);
-    };
-    EXPECT_LT(sampler_p_value(bins_about(mirror(wv)), pdf, 50000, sample), 1e-6);
-}
-
-TEST(MirrorMixture, UniformPartCoversTheCap) {
-    std::mt19937_64 random(5);
-    for (const double theta_max : {40 * k_degree, k_pi / 2}) {
-        const MirrorMixture mixture(theta_max);
-        EXPECT_TRUE(near_relative(mixture.cap_pdf() * 2 * k_pi * (1 - std::cos(theta_max)), 1, 1e-14));
-        int outside = 0;
-        for (int i = 0; i < 5000; ++i) {
-            const Vec3d wv = random_direction(random, 0), wl = random_direction(random);
-            EXPECT_EQ(mixture.contains(wl), wl.z >= std::cos(theta_max));
-            const double density = mixture.pdf(wl, wv);
-            EXPECT_TRUE(std::isfinite(density) && density >= 0);
-            if (mixture.contains(wl)) {
-                EXPECT_GE(density, MirrorMixture::k_uniform * mixture.cap_pdf());
-            }
-            outside += !mixture.contains(wl);
-        }
-        EXPECT_GT(outside, 1000);
-    }
-    EXPECT_TRUE(near(MirrorMixture::k_retro, 0.05, 1e-15));
-}
-
-TEST(MirrorMixture, CapSamplesAreUniform) {
-    std::mt19937_64 random(6);
-    for (const double theta_max : {10 * k_degree, 80 * k_degree}) {
-        const MirrorMixture mixture(theta_max);
-        const double height = 1 - std::cos(theta_max);
-        PolarBins bins{{0, 0, 1}, {0}};
-        for (int i = 1; i <= 8; ++i) bins.edge.push_back(height * i / 8);
-        bins.edge.push_back(2);
-        const auto pdf = [&](Vec3d w) { return w.z > 1 - height ? mixture.cap_pdf() : 0; };
-        const auto sample = [&] {
-            const double u1 = uniform(random), u2 = uniform(random);
-            const Vec3d w = mixture.sample_cap(u1, u2);
-            EXPECT_TRUE(w.z >= std::cos(theta_max) - 1e-15 && near(dot(w, w), 1, 1e-14));
-            return w;
-        };
-        EXPECT_GT(sampler_p_value(bins, pdf, 50000, sample), 0.005) << theta_max;
-    }
-}
-
-TEST(Nearest, MatchAnExhaustiveSearch) {
+TEST(Nearest, AreThoseThatTryingAllFinds) {
     std::mt19937_64 random(5);
     for (const int n : {8, 9, 100, 1536}) {
         const auto set = fibonacci_directions(n, k_pi / 2);

@@ -239,29 +239,6 @@ TEST(Edit, CoatsLookLikeWalksBetweenTheirLayers) {
     }
 }
 
-TEST(Edit, EditedModelsAreSampledByTheirDensity) {
-    const Model rough = with_edit(k_materials[1].fit(), Roughen{0.7});
-    const Proposal proposal = propose(rough);
-    const PolarBins bins = half_vector_bins();
-    std::mt19937_64 random(6);
-    const auto draw = [&] { return float(uniform(random)); };
-    constexpr int k_samples = 20000;
-    for (const double theta : {0.3, 1.2}) {
-        const Vec3f wv = to_float(spherical(theta, 0.0));
-        std::vector<double> expected = bins.masses([&](Vec3d wl) { return double(pdf(proposal, to_float(wl), wv)); });
-        std::vector<double> observed(bins.size());
-        for (double& mass : expected) mass *= k_samples;
-        int samples = 0;
-        for (int i = 0; i < k_samples; ++i) {
-            const float x = draw(), y = draw(), selector = draw();
-            const Vec3f wl = sample(proposal, wv, {x, y}, selector);
-            if (wl.z > 0) observed[bins.index(to_double(wl))] += 1, ++samples;
-        }
-        EXPECT_GT(samples, 0.97 * k_samples);
-        EXPECT_GT(chi2_p_value(observed, expected), 1e-4) << theta;
-    }
-}
-
 TEST(Edit, SaysWhatALimitStops) {
     const Model fit = k_materials[1].fit();
     const Model brighter = with_edit(fit, Tint{{10, 10, 10}, {1, 1, 1}}),

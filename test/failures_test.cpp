@@ -1,6 +1,5 @@
 // One system call or allocation of the program fails. The program then prints one line and ends with status 1, or
-// succeeds anyway. Each of its files has its old content or its complete new content. With SRBF_FAILURES=all every
-// call is tried.
+// succeeds anyway. Each of its files has its old content or its complete new content.
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
@@ -34,11 +33,6 @@ std::string text(const Failure& failure) {
 }
 
 std::string hash_of(const std::string& bytes) { return srbf::hash_of(std::as_bytes(std::span(bytes))); }
-
-bool tries_all() {
-    const char* const wanted = std::getenv("SRBF_FAILURES");
-    return wanted && wanted == std::string("all");
-}
 
 class Failures : public CommandLine {
   protected:
@@ -164,27 +158,16 @@ class Failures : public CommandLine {
     const Task fit_{k_quick_fit + Arguments{"a.binary", "-o", "x.srbf", "--json", "x.json"}, {"x.srbf", "x.json"}};
     const Task many_{k_quick_fit + Arguments{"a.binary", "b.binary", "--resume", "-o", "models"},
                      {"models/a.srbf", "models/a.json", "models/b.srbf", "models/b.json"}};
-    const Task report_{{"report", "a.binary", "-o", "r", "--least", "--threads", "1"}, {}};
-    const std::vector<std::string> every_call_{"open", "read", "write", "fsync", "rename", "close", "mmap"};
-    const std::vector<int> every_error_{EIO, ENOSPC, EINTR, EXDEV};
     const std::vector<std::string> writing_{"write", "fsync", "rename"};
 };
 
 TEST_F(Failures, SystemCallsLeaveFilesOldOrComplete) {
-    if (tries_all()) {
-        for (const Task& task : {convert_, export_, fit_, many_}) try_system_calls(task, every_call_, every_error_);
-        return;
-    }
-    try_system_calls(convert_, every_call_, {EINTR});
+    try_system_calls(convert_, {"open", "read", "write", "fsync", "rename", "close", "mmap"}, {EINTR});
     try_system_calls(export_, writing_, {ENOSPC});
     try_system_calls(fit_, writing_, {ENOSPC});
 }
 
 TEST_F(Failures, AllocationsLeaveFilesOldOrComplete) {
-    if (tries_all()) {
-        for (const Task& task : {convert_, export_, many_}) try_allocations(task, 200, 500);
-        return;
-    }
     for (const Task& task : {convert_, export_}) try_allocations(task, 3, 5);
     try_allocations(fit_, 1, 3);
 }
@@ -192,7 +175,7 @@ TEST_F(Failures, AllocationsLeaveFilesOldOrComplete) {
 TEST_F(Failures, KilledRunsResume) {
     const auto expected = complete_outputs(many_);
     for (const std::string call : {"write", "fsync", "rename"})
-        for (long index = 0;; index += tries_all() ? 1 : 17) {
+        for (long index = 0;; index += 29) {
             SCOPED_TRACE(text({call, index, 0}));
             fs::remove_all(folder / "models");
             std::optional<long> calls;
@@ -206,51 +189,6 @@ TEST_F(Failures, KilledRunsResume) {
             EXPECT_NE(run(folder, many_.arguments).out.find("2 kept"), std::string::npos);
             if (calls) break;  // the run was not killed
         }
-}
-
-/// The results in a report, without content that depends on time.
-std::map<std::string, std::string> results_of(const fs::path& report) {
-    std::map<std::string, std::string> results;
-    for (const auto& entry : fs::recursive_directory_iterator(report)) {
-        const fs::path file = fs::relative(entry.path(), report);
-        const bool depends_on_time = !file.has_parent_path() || file.filename() == "times.json" ||
-                                     file.filename() == "frames.json" || file.filename() == "index.html";
-        if (entry.is_regular_file()) results[file.string()] = depends_on_time ? "" : contents(entry.path());
-    }
-    return results;
-}
-
-/// The next run completes a report that was killed, or in which something failed, at any call.
-TEST_F(Failures, AReportResumesAfterAnyFailure) {
-    if (!tries_all()) GTEST_SKIP() << "SRBF_FAILURES=all";
-    if (!is_offered({"report"})) GTEST_SKIP() << "without srbf report";
-    const Task& task = report_;
-    ASSERT_EQ(run(folder, task.arguments).status, 0);
-    const auto complete = results_of(folder.path / "r");
-    const auto files_beside = files();
-    /// Returns true if there was such a call.
-    const auto resumes_after = [&](const Failure& failure) {
-        SCOPED_TRACE(text(failure));
-        fs::remove_all(folder / "r");
-        std::optional<long> calls;
-        const ProgramRun result = run_with(task, failure, calls);
-        if (calls) {
-            EXPECT_TRUE(result.status == 0 || result.status == 1) << result.status << " " << result.err;
-            EXPECT_EQ(result.status == 1, result.err.starts_with("srbf: ")) << result.err;
-            EXPECT_EQ(std::ranges::count(result.err, '\n'), result.status) << result.err;
-        }
-        const ProgramRun resumed = run(folder, task.arguments);
-        EXPECT_EQ(resumed.status, 0) << resumed.err;
-        EXPECT_TRUE(results_of(folder.path / "r") == complete);
-        EXPECT_EQ(files(), files_beside);
-        return !calls || *calls > failure.index;
-    };
-    for (const std::string call : {"write", "fsync", "rename"})
-        for (long index = 0; resumes_after({call, index, 0}) && !HasFailure(); index += 3) continue;
-    for (const std::string& call : every_call_)
-        for (long index = 0; resumes_after({call, index, call == "write" ? ENOSPC : EIO}) && !HasFailure(); index += 7)
-            continue;
-    for (long index = 1; resumes_after({"malloc", index, ENOMEM}) && !HasFailure(); index += index / 4 + 1) continue;
 }
 
 /// Concurrent runs that write the same two files leave a matching pair: the second waits until the first has
@@ -281,15 +219,13 @@ TEST_F(Failures, ConcurrentRunsLeaveAMatchingPair) {
         EXPECT_EQ(::waitpid(second, &status, 0), second);
     }
     EXPECT_TRUE(is_report("same.json", "same.srbf"));
-    for (int round = 0; round < (tries_all() ? 10 : 1); ++round) {
-        std::vector<pid_t> processes;
-        for (const char* input : {"a.binary", "b.binary", "c.binary"}) processes.push_back(start_fit(input));
-        for (const pid_t process : processes) {
-            EXPECT_EQ(::waitpid(process, &status, 0), process);
-            EXPECT_EQ(status, 0);
-        }
-        EXPECT_TRUE(is_report("same.json", "same.srbf"));
+    std::vector<pid_t> processes;
+    for (const char* input : {"a.binary", "b.binary", "c.binary"}) processes.push_back(start_fit(input));
+    for (const pid_t process : processes) {
+        EXPECT_EQ(::waitpid(process, &status, 0), process);
+        EXPECT_EQ(status, 0);
     }
+    EXPECT_TRUE(is_report("same.json", "same.srbf"));
 }
 
 /// A report next to another model is not accepted as the report of that model.

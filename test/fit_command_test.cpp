@@ -68,19 +68,6 @@ TEST_F(Command, compare_finds_the_errors_that_fit_reports) {
     }
 }
 
-TEST_F(Command, fit_stores_eight_lobes_of_four_variates_by_default) {
-    write(folder / "small.binary", small_merl());
-    const ProgramRun fit =
-        run(folder, {"fit", "small.binary", "--form", "gaussian", "--effort", "0.05", "--json", "-"});
-    ASSERT_EQ(fit.status, 0) << fit.err;
-    const Json json = Json::parse(fit.out, nullptr, false);
-    EXPECT_EQ(json.value("lobes", 0), 8);
-    EXPECT_EQ(json.value("variates", 0), 4);
-    const auto model = load_model(folder / "small.srbf");
-    ASSERT_TRUE(model);
-    EXPECT_EQ(json.value("payload_bytes", 0), 128);
-}
-
 TEST_F(Command, fit_does_not_depend_on_threads_but_on_the_seed) {
     write(folder / "paper_white_rgb.srbf", "what was here before");
     const Arguments fit{"fit", k_paper, "--lobes", "2", "--variates", "2", "--effort", "0.1"};
@@ -189,21 +176,6 @@ TEST_F(Command, fit_chooses_the_lobes_of_scattered_samples) {
         }
     }
     EXPECT_EQ(run(folder, {"compare", "samples.csv", "samples.srbf"}).status, 0);
-}
-
-TEST_F(Command, fit_ggx_gives_a_model_that_the_others_read) {
-    const ProgramRun fit = run(folder, {"fit", k_paper, "--model", "ggx", "--lobes", "2", "--objective", "cosine", "-o",
-                                        "g.srbf", "--json", "-"});
-    ASSERT_EQ(fit.status, 0) << fit.err;
-    const Json json = Json::parse(fit.out, nullptr, false);
-    EXPECT_EQ(json.value("payload_bytes", 0), 26);
-    EXPECT_EQ(json.value("model", ""), "ggx");
-    EXPECT_LT(json.value("heldout_squared_error_ratio_cosine", 1.0), 0.01);
-    const ProgramRun compare = run(folder, {"compare", k_paper, "g.srbf", "--max-theta", "89", "--json", "-"});
-    ASSERT_EQ(compare.status, 0) << compare.err;
-    EXPECT_EQ(Json::parse(compare.out, nullptr, false).value("heldout_squared_error_ratio_cosine", 1.0),
-              json.value("heldout_squared_error_ratio_cosine", 0.0));
-    EXPECT_NE(run(folder, {"info", "g.srbf"}).out.find("Lambert and GGX"), std::string::npos);
 }
 
 /// Smooth samples at five wavelengths, in Cornell's format.
@@ -322,21 +294,6 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
     evaluator (*model)(wl, wv, f);
     EXPECT_NE(eval.out.find(fmt::format("0,0,1,{:.9g},{:.9g},{:.9g}\n", f[0].r, f[0].g, f[0].b)), std::string::npos)
         << eval.out;
-}
-
-/// Without the texture, discretised by light, and with plain interpolation as in Tsai 2009.
-TEST_F(Command, fit_su_by_light) {
-    ASSERT_EQ(
-        run(folder, {"fit", k_paper, "--model", "su", "--directions", "32", "--lobes", "1", "--objective", "raw",
-                     "--discretise", "light", "--interpolation", "4", "-o", "light.srbf"})
-            .status,
-        0);
-    const auto by_light = load_model(folder / "light.srbf");
-    ASSERT_TRUE(by_light);
-    EXPECT_EQ(std::get<SuModel>(by_light->model).discretise, Discretise::light);
-    EXPECT_EQ(std::get<SuModel>(by_light->model).interpolation, SuInterpolation::plain);
-    EXPECT_EQ(std::get<SuModel>(by_light->model).neighbours, 4);
-    EXPECT_FALSE(std::get<SuModel>(by_light->model).index);
 }
 
 TEST_F(Command, fit_su_refuses) {

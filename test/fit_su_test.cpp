@@ -125,25 +125,11 @@ TEST(FitSu, FollowsTheAlbedoIfPicturesCount) {
     EXPECT_LT(appearance_error, 0.7 * error(Objective::cube_root));  // which gives highlights less weight
 }
 
-TEST(FitSu, LooksLikeTheMeasurement) {
-    for (const auto& [name, bound] : {std::pair("paper_white_rgb", 2.5), {"cc_ibiza_sunset_rgb", 7.3}}) {
-        const RawMatrix matrix = matrix_of(name);
-        const auto delta_e = [&](Objective objective) {
-            const auto fit = fit_su(matrix, {.lobes = 4, .objective = objective});
-            const Evaluate fits[] = {evaluator(fit->model)};
-            return compare_pictures(evaluator(bundled(name)), fits)[0].mean.delta_e;
-        };
-        const double appearance_delta_e = delta_e(Objective::appearance);
-        EXPECT_LT(appearance_delta_e, bound) << name;
-        EXPECT_LT(appearance_delta_e, delta_e(Objective::cosine)) << name;
-    }
-}
-
 TEST(FitSu, ErrorFallsWithTheNumberOfLobes) {
     for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {
         const RawMatrix matrix = matrix_of(name);
         double last = 1;
-        for (const int lobes : {1, 2, 3, 4, 6, 8}) {
+        for (const int lobes : {1, 2, 4, 8}) {
             SuFitOptions options = k_raw;
             options.lobes = lobes;
             const double error = matrix_error(evaluator(bundled(name)), fit_su(matrix, options)->model);

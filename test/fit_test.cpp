@@ -93,55 +93,6 @@ TEST(Fit, RecoversSyntheticSpectra) {
     EXPECT_FALSE(fit_pm(observations, options));
 }
 
-/// The smoothest spectra of these colours.
-Channels spectra_of_colours(const Evaluate& f) {
-    const std::vector<float> nm(k_primary_wavelengths.begin(), k_primary_wavelengths.end());
-    return {nm, [f](auto wl, auto wv, auto values) {
-                std::vector<Rgb> colour(wl.size());
-                f(wl, wv, colour);
-                for (std::size_t i = 0; i < colour.size(); ++i)
-                    std::ranges::copy(reflectance_spectrum(colour[i]), &values[i * k_primary_wavelengths.size()]);
-            }};
-}
-
-TEST(Fit, OfSpectraLooksLikeTheOneOfColours) {
-    const Evaluate film = reciprocal_mean(evaluator(bundled("cc_ibiza_sunset_rgb")));
-    Observations observations = *observe(film, {.count = 8192});
-    const PmFitOptions options{.form = PmForm::reciprocal, .lobes = 4, .variates = 2, .starts = 3, .perturbations = 4};
-    const auto of_colours = fit_pm(observations, options);
-    observe_spectra(observations, spectra_of_colours(film));
-    const auto of_spectra = fit_pm(observations, options);
-    ASSERT_TRUE(of_colours && of_spectra);
-    const Evaluate fits[] = {evaluator(of_colours->model), evaluator(of_spectra->model)};
-    const auto pictures = compare_pictures(film, fits, 0, {}, 48);
-    EXPECT_LE(pictures[1].mean.delta_e, 1.1 * pictures[0].mean.delta_e);
-    EXPECT_LE(AlbedoBound(1, 1).excess(fits[1]), 1);
-    // The errors of the spectra are about those of the colours.
-    const Channels colours = rgb_channels(fits[0]), spectra_of_fit = spectra(of_spectra->model);
-    const MeasureOptions within{80 * k_degree, 0};
-    EXPECT_LE(measure_heldout(spectra_of_colours(film), {&spectra_of_fit, 1}, within)[0].sixth_root_error_ratio,
-              1.2 * measure_heldout(rgb_channels(film), {&colours, 1}, within)[0].sixth_root_error_ratio);
-}
-
-TEST(Fit, ScalesWithItsData) {
-    const Measured& paper = bundled("paper_white_rgb");
-    const Evaluate unscaled = signed_evaluator(paper), scaled = [&](auto wl, auto wv, auto f) {
-        signed_evaluator(paper)(wl, wv, f);
-        for (Rgb& x : f) x = {4 * x.r, 4 * x.g, 4 * x.b};
-    };
-    const PmFitOptions options = short_search(PmForm::extended, 3, 2);
-    const auto a = fit_pm(observed(unscaled), options), b = fit_pm(observed(scaled), options);
-    ASSERT_TRUE(a && b);
-    // Both fits use the same random numbers and reach the same minimum, with different rounding errors.
-    const Evaluate others[] = {evaluator(b->unrounded)};
-    const Evaluate reference = [&](auto wl, auto wv, auto f) {
-        evaluator(a->unrounded)(wl, wv, f);
-        for (Rgb& x : f) x = {4 * x.r, 4 * x.g, 4 * x.b};
-    };
-    EXPECT_LE(measure_heldout(rgb_channels(reference), rgb_channels(others), {80 * k_degree, 0})[0].squared_error_ratio,
-              1e-6);
-}
-
 TEST(Fit, DoesNotDependOnTheUnitOfTheData) {
     const Evaluate paper = signed_evaluator(bundled("paper_white_rgb"));
     const PmFitOptions options{.lobes = 2, .variates = 2, .starts = 4, .perturbations = 4};
@@ -300,13 +251,6 @@ TEST(Fit, EachObjectiveIsBestInItsOwnMeasure) {
         }
 }
 
-TEST(Fit, ObjectivesAndStopReasonsHaveNames) {
-    for (const Objective objective : objectives()) EXPECT_EQ(objective_named(name(objective)), objective);
-    EXPECT_FALSE(objective_named("cubed"));
-    for (const StopReason reason : {StopReason::converged, StopReason::iterations, StopReason::cancelled})
-        EXPECT_FALSE(name(reason).empty());
-}
-
 TEST(Fit, LosesLittleByRounding) {
     for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {
         const Fitted& f = fitted(name);
@@ -314,31 +258,6 @@ TEST(Fit, LosesLittleByRounding) {
         EXPECT_EQ(f.fit.model, rounded(f.fit.model)) << name;
         EXPECT_EQ(payload_bytes(f.fit.model), 128u) << name;
         EXPECT_NE(f.fit.stop, StopReason::cancelled);
-    }
-}
-
-TEST(Fit, ReportsProgressAndCanBeCancelled) {
-    const Observations o = observed(signed_evaluator(bundled("paper_white_rgb")));
-    const PmFitOptions options = short_search(PmForm::extended, 2, 2);
-    double last = 0;
-    const auto whole = fit_pm(o, options, [&](const Progress& progress) {
-        EXPECT_GE(progress.fraction, last);
-        EXPECT_FALSE(progress.stage.empty());
-        last = progress.fraction;
-        return true;
-    });
-    ASSERT_TRUE(whole);
-    EXPECT_TRUE(near(last, 1, 1e-9));
-    for (const double limit : {0.0, 0.3, 0.9}) {
-        int calls_after = 0;
-        const auto cancelled = fit_pm(o, options, [&](const Progress& progress) {
-            calls_after += progress.fraction > limit + 1e-9;
-            return progress.fraction <= limit;
-        });
-        ASSERT_TRUE(cancelled);
-        EXPECT_EQ(cancelled->stop, StopReason::cancelled);
-        EXPECT_EQ(calls_after, 1) << "called again after it had cancelled";
-        EXPECT_TRUE(is_finite(value(cancelled->model, {0, 0, 1}, {0, 0, 1})));
     }
 }
 

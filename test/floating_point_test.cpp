@@ -98,21 +98,6 @@ namespace {
 
 Measured film() { return *load_measured((bundled_data() / "cc_ibiza_sunset_rgb.bsdf").string()); }
 
-/// Synthetic spectra: B, G and R at 450, 550 and 650 nm, and means between them. Spectral measurements are not
-/// bundled.
-Channels spectra_of(const Measured& measured) {
-    const std::vector<float> nm{450, 500, 550, 600, 650};
-    return {nm, [f = signed_evaluator(measured)](auto wl, auto wv, auto spectra) {
-                std::vector<Rgb> colour(wl.size());
-                f(wl, wv, colour);
-                for (std::size_t i = 0; i < colour.size(); ++i) {
-                    const Rgb c = colour[i];
-                    const float spectrum[] = {c.b, (c.b + c.g) / 2, c.g, (c.g + c.r) / 2, c.r};
-                    std::copy_n(spectrum, 5, &spectra[5 * i]);
-                }
-            }};
-}
-
 struct Counts {
     std::uint64_t total, subnormal;
 };
@@ -146,39 +131,11 @@ TEST(InnerLoops, HaveFewSubnormalsInTheDefaultFit) {
     });
 }
 
-TEST(InnerLoops, HaveFewSubnormalsInTheGaussianForm) {
-    const Measured measured = film();
-    const PmFitOptions options{.form = PmForm::gaussian, .starts = 4, .perturbations = 8};
-    expect_few([&] {
-        const auto fit = fit_pm(*observe(signed_evaluator(measured), {.objective = Objective::raw}), options);
-        ASSERT_TRUE(fit.ok());
-    });
-}
-
-TEST(InnerLoops, HaveFewSubnormalsInAFitOfGeneralLobes) {
-    const Measured measured = film();
-    const PmFitOptions options{.axial = false, .lobes = 4, .variates = 3, .starts = 4, .perturbations = 8};
-    expect_few([&] {
-        const auto fit = fit_pm(*observe(signed_evaluator(measured), {.count = 16384}), options);
-        ASSERT_TRUE(fit.ok());
-    });
-}
-
 TEST(InnerLoops, HaveFewSubnormalsInAViewByViewFit) {
     const Measured measured = film();
     expect_few([&] {
         const auto matrix = tabulate(signed_evaluator(measured), {.directions = 192});
         const auto fit = fit_su(*matrix, {.lobes = 5});
-        ASSERT_TRUE(fit.ok());
-    });
-}
-
-TEST(InnerLoops, HaveFewSubnormalsInASpectralFit) {
-    const Measured measured = film();
-    expect_few([&] {
-        auto observations = *observe(signed_evaluator(measured), {.count = 16384});
-        observe_spectra(observations, spectra_of(measured));
-        const auto fit = fit_pm(observations, {.lobes = 6, .variates = 3, .starts = 4, .perturbations = 8});
         ASSERT_TRUE(fit.ok());
     });
 }

@@ -77,12 +77,6 @@ TEST_P(Gram, RowsContainTheObservationsWithoutBoundPairs) {
     EXPECT_EQ(Rows(few).blocks, 0u);
 }
 
-TEST_P(Gram, TheLastBlockHasFewerRows) {
-    EXPECT_EQ(rows_.rows_in(0), k_block);
-    EXPECT_EQ(rows_.rows_in(1), k_block);
-    EXPECT_EQ(rows_.rows_in(2), 320u);  // for 300 rows
-}
-
 TEST_P(Gram, WeightsOfRowsSumToOne) {
     double sum = 0;
     for (const float root : rows_.root_weight) sum += double(root) * double(root);
@@ -246,25 +240,6 @@ TEST_P(Gram, MultiplyAndResidual) {
     }
 }
 
-TEST_P(Gram, SumsAndProductsOfColumns) {
-    const auto a = column(random_, -1, 1), b = column(random_, -1, 1), other = column(random_, -1, 1);
-    auto c = other;
-    add_product(a.data(), b.data(), c.data());
-    Aligned<float> x(k_block), product(k_block);
-    const float* const columns[] = {a.data(), b.data()};
-    combine(std::vector{2.f, -3.f}, columns, x.data());
-    combine(std::vector{2.f, -3.f}, columns, other.data(), product.data());
-    double expected_sum = 0, squares = 0, size = 0;
-    for (std::size_t i = 0; i < k_block; ++i) {
-        EXPECT_TRUE(near(c[i], double(other[i]) + double(a[i]) * double(b[i]), 3e-7));
-        EXPECT_TRUE(near(x[i], 2 * double(a[i]) - 3 * double(b[i]), 6e-7));
-        EXPECT_EQ(product[i], other[i] * x[i]);
-        expected_sum += double(a[i]), size += std::abs(double(a[i])), squares += double(a[i]) * double(a[i]);
-    }
-    EXPECT_TRUE(near(sum(a.data()), expected_sum, 3e-6 * size));
-    EXPECT_TRUE(near_relative(sum_of_squares(a.data()), squares, 1e-5));
-}
-
 TEST_P(Gram, AddProductsAddsProductsOfRowsAndColumns) {
     for (const std::size_t m : {1u, 4u, 7u})
         for (const std::size_t n : {1u, 3u, 8u}) {
@@ -283,18 +258,6 @@ TEST_P(Gram, AddProductsAddsProductsOfRowsAndColumns) {
                     EXPECT_TRUE(near(G[i * n + k], sum, 3e-6 * size));
                 }
         }
-}
-
-TEST_P(Gram, AddProductsOfTheFirstRowsOfColumns) {
-    const auto a = column(random_, -0.5, 1), b = column(random_, -0.5, 1);
-    const float *const rows[] = {a.data()}, *const columns[] = {b.data()};
-    for (std::size_t count = k_row_multiple; count <= k_block; count *= 2) {
-        double product = 0, sum = 0, size = 0;
-        add_products(rows, columns, &product, count);
-        for (std::size_t l = 0; l < count; ++l)
-            sum += double(a[l]) * double(b[l]), size += std::abs(double(a[l]) * double(b[l]));
-        EXPECT_TRUE(near(product, sum, 3e-6 * size));
-    }
 }
 
 TEST_P(Gram, AddGramAddsProductsUpToTheDiagonal) {

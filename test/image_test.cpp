@@ -8,8 +8,6 @@
 #include <stb/stb_image.h>
 #pragma GCC diagnostic pop
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstring>
 #include <limits>
@@ -19,7 +17,7 @@
 #include "properties.h"
 #include "shown_brdfs.h"
 #include "srbf/file.h"
-#include "srbf/measured.h"
+#include "temporary_folder.h"
 
 namespace srbf::image_test {
 namespace {
@@ -84,18 +82,6 @@ TEST(DrawText, WritesLongLinesToTheirEnd) {
 
 // PNG.
 
-/// An empty folder, removed with what it holds.
-struct Folder {
-    std::filesystem::path path;
-    explicit Folder(const std::string& name)
-        : path(std::filesystem::temp_directory_path() / ("srbf_render_" + name + std::to_string(::getpid()))) {
-        std::filesystem::create_directory(path);
-    }
-    ~Folder() { std::filesystem::remove_all(path); }
-    std::string operator/(const char* name) const { return (path / name).string(); }
-    bool empty() const { return std::filesystem::is_empty(path); }
-};
-
 Image8 decoded(const std::string& path) {
     int width = 0, height = 0, channels = 0;
     stbi_uc* data = stbi_load(path.c_str(), &width, &height, &channels, 3);
@@ -107,7 +93,7 @@ Image8 decoded(const std::string& path) {
 }
 
 TEST(WritePng, DecodesToTheSamePixels) {
-    const Folder folder("png");
+    const TemporaryFolder folder;
     std::mt19937_64 random(3);
     for (const auto& [width, height] : {std::pair(1, 1), {3, 7}, {641, 5}, {2, 300}, {100, 100}}) {
         Image8 image(width, height);
@@ -121,7 +107,7 @@ TEST(WritePng, DecodesToTheSamePixels) {
 }
 
 TEST(Jpeg, IsTheImageUpToItsQuality) {
-    const Folder folder("jpeg");
+    const TemporaryFolder folder;
     Image8 image(50, 30);
     for (int y = 0; y < 30; ++y)
         for (int x = 0; x < 50; ++x)
@@ -141,18 +127,6 @@ TEST(Jpeg, IsTheImageUpToItsQuality) {
         EXPECT_LE(most, furthest) << quality;
         EXPECT_GT(most, 0) << quality;
     }
-}
-
-TEST(WritePng, FailsWithoutATrace) {
-    const Folder folder("png_failure");
-    const Image8 image(2, 2);
-    const auto missing = write_png(image, folder / "missing/a.png");
-    ASSERT_FALSE(missing.ok());
-    EXPECT_EQ(missing.error().source, folder / "missing/a.png");
-    EXPECT_FALSE(write_png(image, folder.path.string()).ok());
-    for (const auto& none : {Image8(), Image8(0, 5), Image8(5, 0)})
-        EXPECT_FALSE(write_png(none, folder / "a.png").ok());
-    EXPECT_TRUE(folder.empty());
 }
 
 using shown_brdfs::Glossy, shown_brdfs::Lambert;
@@ -182,13 +156,6 @@ template <typename Visit> void for_each_inside(const Visit& visit) {
     for (int y = 0; y < k_size; ++y)
         for (int x = 0; x < k_size; ++x)
             if (std::hypot(x + 0.5 - k_size / 2.0, y + 0.5 - k_size / 2.0) < 0.85 * k_size / 2) visit(x, y);
-}
-
-TEST(Preview, IsThreeSquaresWithCaptions) {
-    const Lambert lambert{{0.5f, 0.5f, 0.5f}};
-    const Image8 image = preview(evaluator(lambert), evaluator(lambert));
-    EXPECT_EQ(image.width, 768);
-    EXPECT_EQ(image.height, 288);
 }
 
 TEST(Preview, OfEqualBrdfsHasABlackDifference) {
@@ -222,12 +189,6 @@ TEST(Preview, ShowsTenTimesTheDifferenceAtTheExposureOfTheMeasured) {
     EXPECT_EQ(small_preview(Glossy{16}, Glossy{8}), small_preview(Glossy{1}, Glossy{0.5f}));
 }
 
-TEST(Preview, OfBlackIsBlack) {
-    const Lambert black{};
-    const Image8 image = small_preview(black, black);
-    for_each_inside([&](int x, int y) { EXPECT_EQ(pixel(image, 0, x, y), k_black); });
-}
-
 TEST(Preview, KeepsCaptionsInTheirStrips) {
     const Lambert grey{{0.5f, 0.5f, 0.5f}};
     const Image8 bare = small_preview(grey, grey, {.caption = ""}),
@@ -243,15 +204,6 @@ TEST(Preview, KeepsCaptionsInTheirStrips) {
 TEST(Preview, IsTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(small_preview(Glossy{}, Glossy{0.9f}, {.threads = 1}),
               small_preview(Glossy{}, Glossy{0.9f}, {.threads = 2}));
-}
-
-TEST(Preview, OfAMeasurementHasNoHoles) {
-    const auto paper = load_measured((bundled_data() / "paper_white_rgb.bsdf").string());
-    ASSERT_TRUE(paper.ok());
-    const Image8 image = small_preview(*paper, *paper);
-    int bright = 0;
-    for_each_inside([&](int x, int y) { bright += pixel(image, 0, x, y)[1] > 100; });
-    EXPECT_GT(bright, k_size * k_size / 4);
 }
 
 }  // namespace

@@ -69,28 +69,6 @@ void check_gradient(LobeProblem& problem, const Eigen::VectorXd& x) {
     }
 }
 
-TEST(Lobes, ExponentsAreBoundedByTheirTerms) {
-    for (const double finest : {0.0, 1e-4, 0.05})
-        for (const PmForm form : {PmForm::extended, PmForm::reciprocal}) {
-            const LobeShape shape{form, 2, finest > 0, finest};
-            const double slope = finest > 0 ? std::min(1 / finest, 65504.0) : 65504.0;
-            for (int k = 0; k < features(shape.form); ++k) {
-                const ExponentTerm& term = k_terms[std::size_t(k)];
-                const Interval range = weight_range(shape.directional() + k, shape);
-                const double least = is_reciprocal(form) ? term.least_if_reciprocal : term.least;
-                EXPECT_EQ(range.least, term.is_slope ? std::max(least, -slope) : least);
-                EXPECT_EQ(range.most, term.is_slope ? std::min(term.most, slope) : term.most);
-                EXPECT_LE(range.least, 0);
-                EXPECT_LE(range.most, double(k_half_max));
-            }
-        }
-    const LobeShape shape{PmForm::extended, 1};
-    EXPECT_EQ(weight_range(1, shape).most, 64);      // κ
-    EXPECT_EQ(weight_range(4, shape).most, 65504);   // σ
-    EXPECT_EQ(weight_range(3, shape).least, -1000);  // γ
-    EXPECT_EQ(weight_range(3, {PmForm::reciprocal, 1}).least, -64);
-}
-
 TEST(Lobes, SpectralGradientMatchesDifferences) {
     Observations o = observations(2048);
     Channels five{{400, 450, 500, 600, 700}, [](auto wl, auto wv, auto f) {
@@ -316,34 +294,6 @@ TEST(Rounding, KeepsDirections) {
             std::max(largest, std::abs(std::remainder(elementary::atan2(double(p.b), double(p.a)) - angle, 2 * k_pi)));
     }
     EXPECT_LT(largest, 3e-5);
-}
-
-TEST(Rounding, ModelHasTheValuesOfItsLobes) {
-    LobeProblem problem(rows(), {PmForm::gaussian, 3}, false);
-    const Lobes lobes = some_lobes();
-    problem.loss(pack(lobes));
-    const PmModel model = to_model(problem, lobes);
-    const Lobes back = to_lobes(model, lobes.shape);
-    for (std::size_t i = 0; i < lobes.weight.size(); ++i)
-        EXPECT_TRUE(near_relative(back.weight[i], lobes.weight[i], 1e-6));
-    const Observations o = observations();
-    double error = 0, total = 0;
-    for (std::size_t i = 0; i < 500; ++i) {
-        double f = 0;
-        for (int j = 0; j < 3; ++j) {
-            double exponent = -problem.offset()[std::size_t(j)];
-            for (int n = 0; n < 3; ++n) {
-                const double angle = lobes.angle[std::size_t(n)];
-                const Vec3f psi =
-                    Kernel<float>::psi(o.wl[i], o.wv[i], float(elementary::cos(angle)), float(elementary::sin(angle)));
-                exponent += lobes.weights_of(j)[std::size_t(n)] * double(psi.z - 1);
-            }
-            f += problem.scale() * problem.beta()(j, 1) * elementary::exp(exponent);
-        }
-        error += elementary::pow(f - double(value(model, o.wl[i], o.wv[i]).g), 2);
-        total += f * f;
-    }
-    EXPECT_LT(error, 1e-6 * total);
 }
 
 // The columns of a problem are the values of the model of its lobes, on both sides of a reciprocal one.

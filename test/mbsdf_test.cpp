@@ -104,30 +104,6 @@ TEST(Mbsdf, MasksValuesThatAreNotFinite) {
               "f: at 55: MBSDF samples: expected at least one that is finite, found none");
 }
 
-TEST(Mbsdf, KeepsTheContract) {
-    std::mt19937_64 random(2);
-    for (const double scale : {1.0, 3.4e38})
-        for (int file = 0; file < 10; ++file) {
-            const auto t = read_mbsdf(
-                mbsdf_file("", {mbsdf_block(k_reflection, 6, 7, 3,
-                                            [&](int, int, int, int) { return scale * (1 - 1.5 * uniform(random)); })}),
-                "t");
-            ASSERT_TRUE(t.ok());
-            for (int i = 0; i < 2000; ++i) {
-                const Vec3f wl = direction_to_the_ends(random), wv = to_float(random_direction(random));
-                ASSERT_TRUE(keeps_contract(value(*t, wl, wv), wl, wv, false));
-                ASSERT_TRUE(is_finite(signed_value(*t, wl, wv)));
-                const double phi = 7 * uniform(random);
-                const Rgb f = signed_value(*t, wl, wv), turned = signed_value(*t, rotate(wl, phi), rotate(wv, phi)),
-                          mirrored = signed_value(*t, {wl.x, -wl.y, wl.z}, {wv.x, -wv.y, wv.z});
-                for (int c = 0; c < 3; ++c) {
-                    ASSERT_PRED3(near, turned[c], f[c], 1e-3 * scale);
-                    ASSERT_PRED3(near, mirrored[c], f[c], 1e-3 * scale);
-                }
-            }
-        }
-}
-
 /// Every sentence of the format that a file may break, and where.
 TEST(Mbsdf, ReportsErrorsInOneLine) {
     const auto f = [](int, int, int, int) { return 0.5; };
@@ -208,28 +184,6 @@ TEST_P(CarPaint, IsWrittenAgainByteForByte) {
     EXPECT_EQ(t_.polar, 45u);
     EXPECT_EQ(t_.azimuths, 90u);
     EXPECT_EQ(write_mbsdf(t_), bytes_);
-}
-
-/// The viewer's first angle is the normal: there f does not depend on the azimuth.
-TEST_P(CarPaint, BeginsAtTheNormal) {
-    for (std::size_t i = 0; i < t_.polar; ++i)
-        for (std::size_t k = 1; k < t_.azimuths; ++k) EXPECT_EQ(at(i, 0, k), at(i, 0, 0));
-}
-
-/// The light was measured every 5°. In between the highlight is linear, so that it has kinks at the indices of
-/// multiples of 5° alone: a step is 2°, and 10° is at index 5.
-TEST_P(CarPaint, HasStepsOfTwoDegrees) {
-    for (std::size_t i = 11; i < 30; ++i) {
-        const auto ridge = [&](std::size_t n) { return at(n, n, t_.azimuths - 1); };
-        const double kink = std::abs(ridge(i + 1) - 2 * ridge(i) + ridge(i - 1)) / ridge(i);
-        // Multiples of 10° at i % 5 = 0, the other multiples of 5° between 2 and 3: from 1 and 4 none is near.
-        if (i % 5 == 1 || i % 5 == 4) {
-            EXPECT_LT(kink, 2e-3) << i;
-        }
-        if (i % 5 == 0 && i >= 15) {
-            EXPECT_GT(kink, 0.01) << i;
-        }
-    }
 }
 
 /// The mirror direction has the last azimuth.

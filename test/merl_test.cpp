@@ -185,16 +185,5 @@ TEST(Merl, BatchesHaveTheBitsOfSingleValues) {
     }
 }
 
-TEST(Merl, IsZeroBelowTheHorizon) {
-    const MerlTable table = multilinear_table();
-    const Vec3f up{0, 0.6f, 0.8f};
-    for (const Vec3f down : {Vec3f{0, 1, 0}, Vec3f{0.6f, 0, -0.8f}, Vec3f{0, 0, -1}}) {
-        EXPECT_EQ(value(table, up, down), Rgb{});
-        EXPECT_EQ(value(table, down, up), Rgb{});
-        EXPECT_EQ(nearest(table, down, up), Rgb{});
-        EXPECT_EQ(signed_value(table, down, down), Rgb{});
-    }
-}
-
 }  // namespace
 }  // namespace srbf::merl_test

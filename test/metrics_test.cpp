@@ -127,17 +127,6 @@ TEST(Metrics, OmitAndCountMissingValues) {
     EXPECT_EQ(swapped.masked, half.masked);
 }
 
-TEST(Metrics, HeldOutPairsDependOnSeedAndCount) {
-    const Glossy glossy, other{1, 100, 1};
-    const Evaluate reference = evaluator(glossy), others[] = {evaluator(other)};
-    const auto with = [&](std::uint64_t count, std::uint64_t seed) {
-        return measure_heldout(rgb_channels(reference), rgb_channels(others), {k_cap, 0}, count, seed)[0];
-    };
-    EXPECT_EQ(with(1234, 1).pairs, 1234u);
-    EXPECT_EQ(with(1234, 1).squared_error_ratio, with(1234, 1).squared_error_ratio);
-    EXPECT_NE(with(1234, 1).squared_error_ratio, with(1234, 2).squared_error_ratio);
-}
-
 // Of values over many magnitudes, a number of samples that fills no block, some of them not measured.
 TEST(Metrics, OfSamplesAreTheirFormulas) {
     std::mt19937_64 random(3);

@@ -54,18 +54,6 @@ TEST(Model, RoundedIsWhatAFileHolds) {
         const auto back = read_model(write_model({model, {}}), "x");
         ASSERT_TRUE(back.ok());
         EXPECT_EQ(pm(*back), once);
-        for (std::size_t i = 0; i < model.bandwidth.size(); ++i) {
-            EXPECT_EQ(once.bandwidth[i], round_to_half(model.bandwidth[i]));
-            if (model.axial) {
-                EXPECT_EQ(once.centre[i], model.centre[i]);
-            }
-        }
-        for (std::size_t j = 0; j < model.coefficient.size(); ++j) {
-            EXPECT_EQ(once.coefficient[j].g, round_to_half(model.coefficient[j].g));
-            EXPECT_EQ(once.log_scale[j], round_to_half(model.log_scale[j]));
-        }
-        for (std::size_t n = 0; n < model.parameterization.size(); ++n)
-            EXPECT_EQ(once.parameterization[n].b, round_to_half(model.parameterization[n].b));
     }
 }
 
@@ -227,56 +215,6 @@ TEST(Model, ValueIsTheKernelsAboveTheHorizonAndZeroBelow) {
         EXPECT_EQ(value(model, up, low), Rgb());
         EXPECT_EQ(value(model, low, up), Rgb());
     }
-}
-
-TEST(Model, BatchesAgreeWithSingleValues) {
-    std::mt19937_64 random(12);
-    for (int trial = 0; trial < 60; ++trial) {
-        const PmModel model = random_model(random, {.axial = trial % 2 == 0,
-                                                    .log_scale = trial % 4 < 2,
-                                                    .form = k_forms[std::size_t(trial) % k_forms.size()]});
-        const std::size_t count = std::size_t(trial);  // all remainders of a batch
-        std::vector<Vec3f> wl, wv;
-        for (std::size_t i = 0; i < count; ++i) {
-            wl.push_back(to_float(random_direction(random, -0.2)));
-            wv.push_back(to_float(random_direction(random, -0.2)));
-        }
-        std::vector<Rgb> f(count);
-        evaluate(model, wl, wv, f);
-        for (std::size_t i = 0; i < count; ++i) {
-            const Rgb one = value(model, wl[i], wv[i]);
-            for (int c = 0; c < 3; ++c)
-                EXPECT_TRUE(near(f[i][c], one[c], 1e-4 * double(one[c]) + 1e-30)) << f[i][c] << ' ' << one[c];
-        }
-    }
-}
-
-TEST(Model, FilesAreSavedAndLoaded) {
-    std::mt19937_64 random(8);
-    const TemporaryFolder temporary;
-    const std::string folder = temporary.path.string();
-    const Model model{rounded(random_model(random, {.axial = false})), {{"a", "b"}}};
-    const std::string path = folder + "/m.srbf", missing = folder + "/none/m.srbf";
-    ASSERT_TRUE(save_model(model, path).ok());
-    const auto back = load_model(path);
-    ASSERT_TRUE(back.ok());
-    EXPECT_EQ(pm(*back), pm(model));
-    for (const Error& error : {save_model(model, missing).error(), load_model(missing).error(),
-                               save_model(model, folder).error(), load_model(folder).error()}) {
-        EXPECT_EQ(message(error).find(folder), 0u);
-        EXPECT_FALSE(error.what.empty());
-    }
-    EXPECT_FALSE(std::filesystem::exists(folder + "/none"));
-}
-
-TEST(Model, FormsHaveNames) {
-    EXPECT_EQ(name(PmForm::gaussian), "gaussian");
-    EXPECT_EQ(stored_name(PmForm::gaussian), "source");  // as files have it from the first
-    for (const PmForm form : k_forms) {
-        EXPECT_EQ(form_named(name(form)), form);
-        EXPECT_EQ(form_named(stored_name(form)), form);
-    }
-    EXPECT_FALSE(form_named("sauce"));
 }
 
 }  // namespace

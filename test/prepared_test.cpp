@@ -45,24 +45,6 @@ std::vector<Pair> random_pairs(std::mt19937_64& random, int count) {
     return pairs;
 }
 
-/// Expects values within 1e-4 of the exact value, or 1e-6 of the largest one.
-void expect_exact(const PmModel& model, const std::vector<Pair>& pairs) {
-    const PreparedBrdf prepared = prepare(Model{model, {}}, CosineProposal{});
-    std::vector<Vec3d> exact;
-    double peak = 0;
-    for (const auto& [l, v] : pairs) {
-        exact.push_back(l.z > 0 && v.z > 0 ? Kernel<double>::pm_value(model, to_double(l), to_double(v)) : Vec3d());
-        peak = std::max({peak, exact.back().x, exact.back().y, exact.back().z});
-    }
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-        const Rgb f = value(prepared, pairs[i].wl, pairs[i].wv);
-        const double expected[] = {exact[i].x, exact[i].y, exact[i].z};
-        for (int c = 0; c < 3; ++c)
-            EXPECT_TRUE(near(f[c], expected[c], std::max({1e-4 * expected[c], 1e-6 * peak, 1e-35})))
-                << f[c] << ' ' << expected[c] << ' ' << peak << ", J " << model.lobes << ", N " << model.variates;
-    }
-}
-
 class Prepared : public testing::Test {
   protected:
     std::mt19937_64 random_{1};
@@ -78,48 +60,6 @@ class PreparedOn : public Prepared, public testing::WithParamInterface<Target> {
 };
 INSTANTIATE_TEST_SUITE_P(EachTarget, PreparedOn, testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
                          [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
-
-TEST_P(PreparedOn, AgreesWithDouble) {
-    const std::vector<Pair> pairs = random_pairs(random_, 120);
-    for (const PmForm form : k_forms)
-        for (const bool axial : {true, false}) {
-            for (int variates = 1; variates <= k_most_variates; ++variates)
-                for (const int lobes : {1, 6, 8, 9, 16, 33})
-                    expect_exact(random_model(random_, {axial, variates % 2 == 0, lobes, variates, 3000, form}), pairs);
-            expect_exact(random_model(random_, {axial, true, k_most_lobes, k_most_variates, 3000, form}), pairs);
-        }
-}
-
-TEST_P(PreparedOn, NegativeChannelsMayCancelInTheSum) {
-    const std::vector<Pair> pairs = random_pairs(random_, 120);
-    for (const PmForm form : k_forms)
-        for (const bool axial : {true, false}) {
-            PmModel model = spectral_model(random_, {.axial = axial, .lobes = 9, .form = form}, 8);
-            expect_exact(model, pairs);
-            for (std::size_t j = 0; j < 9; j += 2) model.coefficient[j].g *= -1;
-            expect_exact(model, pairs);
-        }
-}
-
-TEST_P(PreparedOn, IsAccurateAtTheSharpestPeaks) {
-    for (const bool axial : {true, false})
-        for (const Parameterization p : {Parameterization{1, 1}, {-0.7f, -0.7f}, {0.8f, 0.6f}}) {
-            PmModel model = random_model(random_, {.axial = axial, .lobes = 2, .variates = 1});
-            model.parameterization = {p};
-            model.bandwidth = {k_half_max, 3000};
-            const float pole = p.a > 0 ? 1.f : -1.f;
-            model.centre = {{0, 0, pole}, {0, 0, pole}};
-            std::vector<Pair> pairs;
-            for (const double theta : {0.0, 0.1, 0.7, 1.3, 1.5})
-                for (int i = 0; i < 200; ++i) {
-                    const Vec3d wl = spherical(theta, 1.0);
-                    const double offset = (i % 2 ? 0.1 : 0.01) * uniform(random_);
-                    pairs.push_back(
-                        {to_float(wl), to_float(normalize(mirror(wl) + offset * random_direction(random_)))});
-                }
-            expect_exact(model, pairs);
-        }
-}
 
 TEST_P(PreparedOn, IsClampedToAvoidSubnormalNumbersAndInfinity) {
     PmModel model = random_model(random_, {.lobes = 1, .variates = 1});
@@ -570,29 +510,6 @@ const std::vector<PreparedBrdf>& prepared_files() {
 }
 
 TEST_P(PreparedOn, SamplesAndDensityAgree) {
-    // The mean of g / pdf over samples is the integral of g above the horizon, for g = cosθ / π and for a sharp lobe.
-    const PmModel model = random_model(random_, {.lobes = 6, .form = PmForm::extended});
-    const PreparedBrdf prepared = prepare(Model{model, {}});
-    for (const double theta : {0.0, 0.5, 1.0, 1.4}) {
-        const Vec3f wv = to_float(spherical(theta, 0.3)), specular = mirror(wv);
-        double cosine_sum = 0, lobe_sum = 0, squares = 0;
-        constexpr int n = 48;
-        for (int i = 0; i < n * n * n; ++i) {
-            const Vec3f cell{float(i % n), float(i / n % n), float(i / n / n)};
-            const Vec3f u = (1.f / n) * (cell + draw3()), wl = sample(proposal(prepared), wv, {u.x, u.y}, u.z);
-            if (!(wl.z > 0)) continue;
-            const double density = double(pdf(prepared, wl, wv));
-            cosine_sum += double(wl.z) / k_pi / density;
-            const double lobe = double(Kernel<float>::vmf_pdf(wl, specular, 20.f) +
-                                       Kernel<float>::vmf_pdf({wl.x, wl.y, -wl.z}, specular, 20.f));
-            lobe_sum += lobe / density, squares += lobe * lobe / (density * density);
-        }
-        EXPECT_TRUE(near(cosine_sum / (n * n * n), 1, 3e-3)) << theta;
-        const double mean = lobe_sum / (n * n * n),
-                     deviation = std::sqrt((squares / (n * n * n) - mean * mean)) / (n * std::sqrt(double(n)));
-        EXPECT_TRUE(near(mean, 1, 1e-3 + 4 * deviation)) << theta << ' ' << mean << " +- " << deviation;
-    }
-
     // A sample has the density of its direction in every bit, and up to two roundings the weight.
     std::array<int, std::variant_size_v<Proposal>> directions{};
     for (const PreparedBrdf& brdf : prepared_files())

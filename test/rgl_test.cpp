@@ -172,17 +172,6 @@ TEST(Rgl, WarpMapsTheSquareToItselfWithItsDensity) {
     }
 }
 
-TEST(Rgl, WarpReachesTheEndsOfTheSquare) {
-    const auto& table = bundled("paper_white");
-    for (const float theta : {0.0f, 0.3f, 1.2f, 2.0f}) {
-        const Slices slices = slices_at(table.theta_l, theta);
-        EXPECT_EQ(unwarp(table.visible, slices, 0, 0).y, 0);
-        EXPECT_EQ(unwarp(table.visible, slices, 0, 0.3f).x, 0);
-        EXPECT_PRED3(near, unwarp(table.visible, slices, 1, 0.3f).x, 1, 1e-6);
-        EXPECT_PRED3(near, unwarp(table.visible, slices, 0.3f, 1).y, 1, 1e-6);
-    }
-}
-
 TEST(Rgl, WarpStaysInTheSquareWithoutDensity) {
     auto fields = simple_rgl();
     field(fields, "vndf") = float_field("vndf", {1, 3, 4, 5}, [](std::size_t i) { return i % 20 < 5 ? 1.0f : 0.0f; });
@@ -216,27 +205,6 @@ TEST(Rgl, IsIsotropicAndBounded) {
         for (const float z : {1e-30f, 1e-42f})
             EXPECT_TRUE(is_finite(value(table, {1, 0, z}, {-1, 0, z})) &&
                         is_finite(value(table, {1, 0, z}, {0, 1, z})));
-    }
-}
-
-TEST(Rgl, IsContinuous) {
-    std::mt19937_64 random(6);
-    const double step = 1e-4;
-    for (const auto& name : k_bundled) {
-        const RglTable& table = bundled(name);
-        for (int i = 0; i < 30000; ++i) {
-            const Vec3d wl = random_direction(random, 0.1);
-            // Half of the pairs straddle the seam of the table, where h is opposite to ωl.
-            Vec3d wv = random_direction(random, 0.1);
-            if (i % 2)
-                wv = spherical(std::min(1.4, std::acos(wl.z) + 0.15 + uniform(random)), std::atan2(-wl.y, -wl.x));
-            const Vec3d moved = normalize(wv + step * random_direction(random));
-            const Vec3d h = wl + wv;
-            if (wl.z > 0.99 || std::hypot(h.x, h.y) < 0.1) continue;
-            const Rgb f = signed_value(table, to_float(wl), to_float(wv));
-            const Rgb g = signed_value(table, to_float(wl), to_float(moved));
-            for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, g[c], f[c], 0.01 * (0.1 + std::abs(double(f[c]))));
-        }
     }
 }
 
@@ -285,16 +253,6 @@ TEST(Tables, HaveTheirMeanAlongTheNormal) {
         signed_evaluator(measured)({&normal, 1}, {&w, 1}, {&f, 1});
         EXPECT_PRED3(near_relative, f.g, mean.g, 0.02);
         EXPECT_EQ(signed_value(measured, normal, w), f);
-    }
-}
-
-TEST(Rgl, IsZeroBelowTheHorizon) {
-    const RglTable& table = bundled("paper_white");
-    const Vec3f up{0, 0.6f, 0.8f};
-    for (const Vec3f down : {Vec3f{0, 1, 0}, Vec3f{0.6f, 0, -0.8f}, Vec3f{0, 0, -1}}) {
-        EXPECT_EQ(value(table, up, down), Rgb{});
-        EXPECT_EQ(value(table, down, up), Rgb{});
-        EXPECT_EQ(signed_value(table, down, down), Rgb{});
     }
 }
 

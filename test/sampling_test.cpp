@@ -190,24 +190,6 @@ TEST_F(Sampling, WeightsOfFacetsAreBounded) {
     }
 }
 
-TEST_F(Sampling, LostSamplesAndTheDensitySumToOne) {
-    // With finer bins for one material, the sum itself is within 1e-3.
-    const Material& material = *materials()[0];
-    PolarBins bins = half_vector_bins();
-    for (const double theta : k_thetas) {
-        const Vec3f wv = to_float(spherical(theta * k_degree, 0.7));
-        const Proposal proposal = material.pm_proposal;
-        double total_mass = 0;
-        for (const double mass : bins.masses([&](Vec3d h) { return half_vector_density(proposal, h, wv); }, 64))
-            total_mass += mass;
-        constexpr int count = 400000;
-        int lost = 0;
-        for (int i = 0; i < count; ++i) lost += !(sample(proposal, wv, draw3()).z > 0);
-        EXPECT_TRUE(near(total_mass + double(lost) / count, 1, 1e-3)) << theta;
-        EXPECT_LT(lost, 0.001 * count) << theta;
-    }
-}
-
 TEST_F(Sampling, TestDetectsSamplesOfAnotherProposal) {
     const Material& material = *materials()[0];
     const PolarBins bins = half_vector_bins();
@@ -359,23 +341,6 @@ TEST_F(Sampling, LobesAreMirroredAtTheHorizon) {
     }
 }
 
-TEST_F(Sampling, DoubleAndFloatAgree) {
-    for (int i = 0; i < 1000; ++i) {
-        const Vec3f wv = to_float(random_direction(random, 0.02));
-        const int k = i % SRBF_PROPOSAL_LOBES;
-        const float stretch = 0.4f + float(i % 3);
-        const Vec3f wl =
-            Kernel<float>::sample_proposal_lobe(k, wv, Kernel<float>::stretch_along(wv, stretch), 2.f, draw(), draw());
-        if (!(wl.z > 0)) continue;
-        const auto density = [&]<typename Real>(Vec3<Real> l, Vec3<Real> v) {
-            using K = Kernel<Real>;
-            const auto point = K::proposal_point(l, v, K::stretch_along(v, Real(stretch)), Real(2));
-            return double(K::proposal_lobe_pdf(k, point));
-        };
-        EXPECT_TRUE(near_relative(density(wl, wv), density(to_double(wl), to_double(wv)), 2e-3)) << k;
-    }
-}
-
 /// A brushed conductor: Trowbridge-Reitz with roughness `along` an azimuth of 40° and `across` it.
 struct Brushed {
     double along = 0.3, across = 0.06;
@@ -493,30 +458,6 @@ PmModel white() {
     return model;
 }
 
-TEST_F(Sampling, WhiteReflectsAllLight) {
-    const PmModel brdf = white();
-    SuModel by_view = isotropic_su(64);
-    std::fill(by_view.coefficient.begin(), by_view.coefficient.end(), Rgb{0.1f, float(0.5 / k_pi), 0.2f});
-    std::fill(by_view.bandwidth.begin(), by_view.bandwidth.end(), 0.f);
-    const Proposal proposals[] = {CosineProposal{}, propose(evaluator(brdf)), propose(by_view)};
-    for (const Proposal& proposal : proposals)
-        for (const double theta : k_thetas) {
-            const Vec3f wv = to_float(spherical(theta * k_degree, 1.0));
-            // With stratified samples the mean has an error of 1e-3; with independent ones it would be 1e-2.
-            constexpr int n = 64;
-            double sum = 0;
-            for (int i = 0; i < n; ++i)
-                for (int j = 0; j < n; ++j)
-                    for (int k = 0; k < n; ++k) {
-                        const Vec3f cell{float(i), float(j), float(k)};
-                        const Vec3f wl = (1.f / n) * (cell + draw3());
-                        sum += double(sample(brdf, proposal, wv, wl).weight.g);
-                    }
-            EXPECT_TRUE(near(sum / (n * n * n), 1, 1e-3))
-                << proposal.index() << ' ' << theta << ' ' << sum / (n * n * n);
-        }
-}
-
 TEST_F(Sampling, WeightsSumToOneAndTheCosineKeepsItsMinimum) {
     for (const auto& material : materials())
         for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
@@ -559,18 +500,6 @@ TEST_F(Sampling, ViewsAreNoWorseThanTheCosine) {
                       1.1 * variance(brdf, CosineProposal{}, theta) + 1e-3)
                 << material->name << ' ' << theta;
         }
-}
-
-TEST_F(Sampling, SamplesNothingBelowTheHorizon) {
-    const Material& material = *materials()[0];
-    for (const Vec3f wv : {Vec3f(0, 0, -1), Vec3f(1, 0, 0)}) {
-        EXPECT_EQ(sample(material.pm, material.pm_proposal, wv, draw3()).pdf, 0);
-        EXPECT_EQ(pdf(material.pm_proposal, {0, 0, 1}, wv), 0);
-        EXPECT_EQ(pdf(material.su_proposal, {0, 0, 1}, wv), 0);
-    }
-    EXPECT_EQ(pdf(material.pm_proposal, {0, 0, -1}, {0, 0, 1}), 0);
-    EXPECT_EQ(pdf(material.su_proposal, {0, 0, -1}, {0, 0, 1}), 0);
-    EXPECT_EQ(pdf(material.cosine, {0, 0, -1}, {0, 0, 1}), 0);
 }
 
 /// The half vector of the viewer and of the light mirrored at the horizon vanishes at the mirror direction.

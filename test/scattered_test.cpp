@@ -737,18 +737,6 @@ TEST(ScatteredSamples, InterpolationKeepsConstantsAndStaysWithinTheSamples) {
         }
 }
 
-TEST(ScatteredSamples, KeepsTheContract) {
-    std::mt19937_64 random(8);
-    for (const int count : {1, 2, 9, 300}) {
-        const auto s = samples_of([](Vec3d, Vec3d) { return Rgb{1, 0.5f, -0.1f}; }, count, count % 2 == 0, 9);
-        for (int i = 0; i < 3000; ++i) {
-            const Vec3f wl = direction_to_the_ends(random),
-                        wv = i % 2 ? direction_to_the_ends(random) : to_float(random_direction(random));
-            ASSERT_TRUE(keeps_contract(value(s, wl, wv), wl, wv, false));
-        }
-    }
-}
-
 TEST(ScatteredSamples, SpectraBetweenSamplesHaveTheirColour) {
     std::mt19937_64 random(21);
     ScatteredSamples samples;

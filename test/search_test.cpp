@@ -67,33 +67,5 @@ TEST(Search, GrowsWhatMadeTheData) {
     EXPECT_GE(found, 8);
 }
 
-TEST(Search, RandomExponentsAreOfTheRangeOfTheirTerms) {
-    std::mt19937_64 random(3);
-    const Lobes none{{k_forms.back(), 2}, {0, 0}, {}};
-    std::vector<std::vector<double>> drawn(k_terms.size());
-    for (int i = 0; i < 4000; ++i) {
-        const std::vector<double> weight = random_lobe(random, none);
-        for (std::size_t k = 0; k < k_terms.size(); ++k) drawn[k].push_back(weight[2 + k]);
-    }
-    for (std::size_t k = 0; k < k_terms.size(); ++k) {
-        const auto [least, most] = std::minmax_element(drawn[k].begin(), drawn[k].end());
-        const ExponentTerm& term = k_terms[k];
-        EXPECT_GE(*least, std::max(term.least, term.is_sharp ? -100.0 : -10.0)) << term.symbol;
-        EXPECT_LE(*least, 0.9 * std::max(term.least, term.is_sharp ? -100.0 : -10.0)) << term.symbol;
-        EXPECT_LE(*most, std::min(term.most, term.is_sharp ? 6e4 : 10.0)) << term.symbol;
-        EXPECT_GE(*most, 0.9 * std::min(term.most, term.is_sharp ? 6e4 : 10.0)) << term.symbol;
-        EXPECT_GE(std::count(drawn[k].begin(), drawn[k].end(), 0.0), 1000) << term.symbol;
-    }
-}
-
-TEST(Search, ShortFitsHaveNoMoreStartsAndPerturbations) {
-    PmFitOptions options = options_of(0);
-    EXPECT_EQ(starts_of(quick_options(options, 4, 8)), 4);
-    EXPECT_EQ(perturbations_of(quick_options(options, 4, 8)), 8);
-    options.starts = 2, options.perturbations = 0;
-    EXPECT_EQ(starts_of(quick_options(options, 4, 8)), 2);
-    EXPECT_EQ(perturbations_of(quick_options(options, 4, 8)), 0);
-}
-
 }  // namespace
 }  // namespace srbf::search_test

@@ -286,59 +286,6 @@ TEST_F(ShadingCode, IsTheSameWithFastMath) {
         EXPECT_EQ(above(x, 0, 1) + above(0, x, 1) + above(0, 0, x), 0);
 }
 
-/// Samples of the code follow its own density, over bins of half vectors.
-TEST_F(ShadingCode, SamplesFollowTheirDensity) {
-    std::string sample_cases, pdf_cases;
-    for (std::size_t m = 0; m < models().size(); ++m) {
-        sample_cases += fmt::format("    case {}: w = {}_sample(wv, u[0], u[1], u[2]); break;\n", m, name_of(m));
-        pdf_cases += fmt::format("    case {}: return {}_pdf(wl, wv);\n", m, name_of(m));
-    }
-    void* const library =
-        compiled(SRBF_COMPILER " -x c -std=c99", "draws",
-                 code_in_c() +
-                     "void draw(int m, const float* v, const float* u, float* to);\n"
-                     "float density(int m, const float* l, const float* v);\n"
-                     "void draw(int m, const float* v, const float* u, float* to) {\n"
-                     "    srbf_vec3 wv = {v[0], v[1], v[2]}, w = wv;\n    switch (m) {\n" +
-                     sample_cases +
-                     "    }\n    to[0] = w.x, to[1] = w.y, to[2] = w.z;\n}\n"
-                     "float density(int m, const float* l, const float* v) {\n"
-                     "    srbf_vec3 wl = {l[0], l[1], l[2]}, wv = {v[0], v[1], v[2]};\n    switch (m) {\n" +
-                     pdf_cases + "    }\n    return 0;\n}\n");
-    ASSERT_TRUE(library);
-    const auto draw = function<void(int, const float*, const float*, float*)>(library, "draw");
-    const auto density = function<float(int, const float*, const float*)>(library, "density");
-
-    constexpr int count = 20000;
-    const PolarBins bins = half_vector_bins();
-    std::mt19937_64 random(3);
-    const auto u = [&] { return std::min(float(uniform(random)), 0x1.fffffep-1f); };
-    const double significance = sidak(0.01, 2 * int(models().size()));
-    for (int m = 0; m < int(models().size()); ++m)
-        for (const double theta : {20.0, 60.0}) {
-            const Vec3d v = spherical(theta * k_degree, 0.7);
-            const std::array<float, 3> wv{float(v.x), float(v.y), float(v.z)};
-            std::vector<double> expected = bins.masses([&](Vec3d h) {
-                const double cosine = dot(h, v);
-                const Vec3d l = 2 * cosine * h - v;
-                const std::array<float, 3> wl{float(l.x), float(l.y), float(l.z)};
-                return cosine > 0 ? 4 * cosine * double(density(m, wl.data(), wv.data())) : 0;
-            });
-            std::vector<double> observed(bins.size() + 1);
-            for (int i = 0; i < count; ++i) {
-                const std::array<float, 3> u3{u(), u(), u()};
-                std::array<float, 3> wl{};
-                draw(m, wv.data(), u3.data(), wl.data());
-                const Vec3d l{double(wl[0]), double(wl[1]), double(wl[2])};
-                observed[wl[2] > 0 ? bins.index(normalize(l + v)) : bins.size()] += 1;
-            }
-            double total_mass = 0;
-            for (double& mass : expected) total_mass += mass, mass *= count;
-            expected.push_back(count * std::max(0.0, 1 - total_mass));
-            EXPECT_GT(chi2_p_value(observed, expected), significance) << m << " at " << theta;
-        }
-}
-
 TEST_F(ShadingCode, CompilesAsCuda) {
     if (!std::strlen(SRBF_NVCC)) GTEST_SKIP() << "no nvcc";
     const std::string source = written(

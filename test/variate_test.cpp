@@ -197,25 +197,6 @@ TEST(Variate, DualNumbersDifferentiateTheModel) {
     }
 }
 
-TEST(Variate, DualNumbersDifferentiateTheKernel) {
-    // The Jacobian of the warp from derivatives instead of differences, and d/dλ of the integral.
-    using D = Kernel<Dual>;
-    std::mt19937_64 random(5);
-    for (const double bandwidth : {0.005, 0.5, 40.0, 3e4}) {
-        const Vec3d centre = random_direction(random);
-        const double u1 = 0.1 + 0.8 * uniform(random), u2 = uniform(random);
-        const auto derivative1 = D::sample_vmf(constant(centre), Dual(bandwidth), Dual(u1, 1), Dual(u2));
-        const auto derivative2 = D::sample_vmf(constant(centre), Dual(bandwidth), Dual(u1), Dual(u2, 1));
-        const Vec3d area = cross(Vec3d(derivative1.x.d, derivative1.y.d, derivative1.z.d),
-                                 Vec3d(derivative2.x.d, derivative2.y.d, derivative2.z.d));
-        const Vec3d w(derivative1.x.v, derivative1.y.v, derivative1.z.v);
-        EXPECT_TRUE(near(length(area) * K::vmf_pdf(w, centre, bandwidth), 1, 1e-5)) << bandwidth;
-        const double h = 1e-4 * bandwidth;
-        const double slope = (K::gaussian_integral(bandwidth + h) - K::gaussian_integral(bandwidth - h)) / (2 * h);
-        EXPECT_TRUE(near_relative(D::gaussian_integral(Dual(bandwidth, 1)).d, slope, 1e-4)) << bandwidth;
-    }
-}
-
 TEST(Variate, AxialModelsAreIsotropicAndOthersAreNot) {
     std::mt19937_64 random(6);
     int anisotropic = 0;

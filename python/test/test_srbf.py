@@ -35,7 +35,7 @@ def facets(paper):
     return srbf.fit(paper, model="ggx", lobes=1, objective="raw").model
 
 
-@pytest.fixture(scope="module", params=["gaussian", "horizon", "extended", "reciprocal", "general", "su", "ggx"])
+@pytest.fixture(scope="module", params=["gaussian", "extended", "reciprocal", "general", "su", "ggx"])
 def model(request, paper):
     options = {"su": {"model": "su", "lobes": 1}, "ggx": {"model": "ggx", "lobes": 2}, "general": {"axial": False, "lobes": 2, "variates": 2, "effort": 0.1}}
     return srbf.fit(paper, objective="cosine", **options.get(request.param, {"form": request.param, "lobes": 2, "variates": 2, "effort": 0.1})).model
@@ -105,12 +105,6 @@ def test_light_and_viewer_are_exchanged(model, paper):
         np.testing.assert_allclose(brdf.exchanged().eval(wv, wl), brdf.eval(wl, wv), rtol=1e-4, atol=1e-7)
 
 
-def test_what_is_exchanged_is_fitted(paper, facets):
-    wl, wv = directions(100), directions(100, seed=1)
-    fit = srbf.fit(paper.exchanged(), model="ggx", lobes=1, objective="raw")
-    np.testing.assert_allclose(fit.model.eval(wl, wv), facets.eval(wl, wv), rtol=0.1)
-
-
 def test_samples_follow_the_density(model):
     wv = np.broadcast_to(directions(1)[0], (200_000, 3))
     wl, weight, density = model.sample(wv, rng=np.random.default_rng(1))
@@ -134,7 +128,6 @@ def test_a_model_is_saved_pickled_and_converted(model, tmp_path):
     assert isinstance(again, srbf.Model) and again.kind == model.kind and again.nbytes == model.nbytes
     for other in (again, copy):
         np.testing.assert_array_equal(other.eval(wl, wv), model.eval(wl, wv))
-    assert model._repr_png_().startswith(b"\x89PNG")
     if model.kind == "ggx":
         srbf.convert(model, tmp_path / "m.binary")
         table = srbf.load(tmp_path / "m.binary")
@@ -197,34 +190,6 @@ def test_progress_is_told_and_cancels(paper):
         srbf.fit(lambda wl, wv: {}["missing"])
 
 
-def test_an_interrupt_ends_a_fit():
-    # A shell's background jobs ignore the signal unless they ask for it.
-    script = (f"import signal, srbf\nsignal.signal(signal.SIGINT, signal.default_int_handler)\ntry:\n    srbf.fit({str(FILM)!r}, target_delta_e=0.01, progress=lambda *call: print('now', flush=True))\n"
-              "except KeyboardInterrupt:\n    print('interrupted')")
-    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout.readline() == "now\n"
-        process.send_signal(signal.SIGINT)
-        assert process.communicate()[0].endswith("interrupted\n")
-        assert process.returncode == 0
-
-
-def test_other_threads_run_meanwhile(paper):
-    steps = []
-
-    def count():
-        while not done.is_set():
-            steps.append(None)
-            time.sleep(0.001)
-
-    done = threading.Event()
-    thread = threading.Thread(target=count)
-    thread.start()
-    srbf.fit(paper, lobes=2, variates=2, effort=0.1)
-    done.set()
-    thread.join()
-    assert len(steps) > 10
-
-
 def test_numbers_just_below_one_are_uniform(facets):
     u = np.full((4, 3), np.nextafter(1.0, 0))
     wv = np.broadcast_to(np.float32([0, 0, 1]), (4, 3))
@@ -275,11 +240,6 @@ def test_options_are_those_of_the_program(paper):
     assert sampled["direction"].shape == (9, 3) and sampled["interpolation"] == "plain"
 
 
-def test_sizes_exclude_each_other(paper):
-    with pytest.raises(ValueError, match="target_delta_e: chooses the number of lobes; not together with lobes"):
-        srbf.fit(paper, lobes=3, target_delta_e=2)
-
-
 def test_options_of_other_functions_are_refused_by_name(paper, facets, tmp_path):
     wl = directions(9)
     for name, wrong in (("max_theta", lambda: srbf.errors(paper, facets, max_theta=0)), ("threads", lambda: srbf.errors(paper, facets, threads=-1)),
@@ -294,8 +254,6 @@ def test_options_of_other_functions_are_refused_by_name(paper, facets, tmp_path)
             wrong()
     with pytest.raises(TypeError, match="'lobs'; expected one of model, surface"):
         srbf.fit(paper, lobs=2)
-    with pytest.raises(ValueError, match="lobes: only with model pm or su or ggx, found openpbr"):
-        srbf.fit(paper, model="openpbr", lobes=2)
     assert srbf.errors(facets, facets, max_theta=90)["heldout_squared_error_ratio_cosine"] == 0
 
 
@@ -386,6 +344,8 @@ def test_what_is_exchanged_says_so(paper, facets):
         assert brdf.exchanged().is_exchanged and repr(brdf.exchanged()).endswith(", exchanged>")
         assert not brdf.exchanged().exchanged().is_exchanged
     model = srbf.fit(paper.exchanged(), model="ggx", lobes=1, objective="raw").model
+    wl, wv = directions(100), directions(100, seed=1)
+    np.testing.assert_allclose(model.eval(wl, wv), facets.eval(wl, wv), rtol=0.1)
     assert model.provenance["exchanged"] == "light and viewer of the source" and model.is_exchanged
     assert facets.exchanged().provenance["exchanged"] == model.provenance["exchanged"]
 
@@ -399,35 +359,27 @@ def test_files_of_the_other_kind_are_refused(paper, facets, tmp_path):
         assert caught.value.code == "wrong kind" and caught.value.file == str(path)
 
 
-def longest_pause(work):
-    """The longest time during which another thread did not run [s]."""
-    pauses, done = [0.0], threading.Event()
+def test_other_threads_run_meanwhile(paper, facets, tmp_path):
+    """In no call does another thread wait for much of its time."""
+    wl, wv, f, pauses = directions(400_000), directions(400_000, seed=1), np.full((400_000, 3), 0.1, np.float32), []
 
     def watch():
         last = time.perf_counter()
         while not done.is_set():
             time.sleep(0.001)
-            now = time.perf_counter()
-            pauses.append(now - last)
-            last = now
+            pauses.append(time.perf_counter() - last)
+            last += pauses[-1]
 
-    thread = threading.Thread(target=watch)
-    thread.start()
-    work()
-    done.set()
-    thread.join()
-    return max(pauses)
-
-
-def test_other_threads_run_while_arrays_are_indexed_and_tables_written(facets, tmp_path):
-    wl, wv = directions(400_000), directions(400_000, seed=1)
-    f = np.full((400_000, 3), 0.1, np.float32)
-    start = time.perf_counter()
-    pause = longest_pause(lambda: srbf.from_arrays(wl, wv, f))
-    assert pause < 0.25 * (time.perf_counter() - start) + 0.1
-    start = time.perf_counter()
-    pause = longest_pause(lambda: srbf.convert(facets, tmp_path / "m.bsdf"))
-    assert pause < 0.25 * (time.perf_counter() - start) + 0.1
+    for work in (lambda: srbf.from_arrays(wl, wv, f), lambda: srbf.convert(facets, tmp_path / "m.bsdf"),
+                 lambda: srbf.fit(paper, lobes=2, variates=2, effort=0.1)):
+        done, start = threading.Event(), time.perf_counter()
+        pauses.clear()
+        thread = threading.Thread(target=watch)
+        thread.start()
+        work()
+        done.set()
+        thread.join()
+        assert max(pauses) < 0.25 * (time.perf_counter() - start) + 0.1
 
 
 def slowness():
@@ -437,8 +389,7 @@ def slowness():
     return max(1, (time.process_time() - start) / 0.05)
 
 
-@pytest.mark.parametrize("work", ["srbf.render(paper, size=4096)", "paper.eval(w, w)", "paper.sample(w)", "[srbf.convert(paper, f'{folder}/x.bsdf') for _ in range(100)]",
-                                  "srbf.convert(many, f'{folder}/x.csv')"])
+@pytest.mark.parametrize("work", ["srbf.render(paper, size=4096)", "paper.sample(w)", "srbf.convert(many, f'{folder}/x.csv')", "srbf.fit(paper, target_delta_e=0.01)"])
 def test_an_interrupt_ends_long_calls(work, tmp_path):
     script = (f"import signal, srbf, time, numpy as np\nfolder = {str(tmp_path)!r}\nsignal.signal(signal.SIGINT, signal.default_int_handler)\npaper = srbf.load({str(PAPER)!r})\n"
               "w = np.broadcast_to(np.float32([0, 0.6, 0.8]), (20_000_000, 3))\npaper.sample(w[0])\n"
@@ -453,9 +404,7 @@ def test_an_interrupt_ends_long_calls(work, tmp_path):
         assert words[0] == "interrupted" and float(words[1]) < (0.3 + 2 * slowness()) * os.cpu_count() and process.returncode == 0
 
 
-def test_a_picture_is_shown(paper, facets):
-    for brdf in (paper, facets):
-        assert brdf._repr_png_().startswith(b"\x89PNG")
+def test_a_preview_is_doubled():
     bright = srbf._doubled(np.float32(np.arange(12).reshape(2, 2, 3)))
     assert bright.shape == (4, 4, 3)
     np.testing.assert_allclose(bright[:, 0, 0], [0, 1.5, 4.5, 6])
@@ -472,6 +421,8 @@ def test_png_is_srgb():
 
 
 def test_pictures_and_code(paper, facets):
+    for brdf in (paper, facets):
+        assert brdf._repr_png_().startswith(b"\x89PNG")
     picture = srbf.render(paper, "lamp", 64)
     assert picture.shape == (64, 64, 3) and picture[0, 0].max() == 0 and picture.max() > 0
     for language in srbf.code_languages():
@@ -501,11 +452,8 @@ def test_wrong_input(paper, facets, tmp_path):
         with pytest.raises(srbf.Error) as caught:
             srbf.load(path)
         assert caught.value.code == code and caught.value.file == str(path) and caught.value.expected
-    for wrong in (lambda: srbf.fit(facets), lambda: srbf.fit(paper, lobes=0), lambda: srbf.fit(paper, objective="best"),
-                  lambda: srbf.fit(paper, model="mlp"), lambda: srbf.fit(paper, lobes=2, target_delta_e=2), lambda: srbf.fit(paper, max_theta=100),
-                  lambda: srbf.fit(paper, channels="spectral"), lambda: srbf.convert(paper, tmp_path / "x.png"),
-                  lambda: srbf.render(paper, "dark"), lambda: srbf.render(paper, size=0), lambda: srbf.code(facets, "cobol"),
-                  lambda: facets.albedo(0), lambda: facets.sample([0, 0, 1], [0, 0, 1]), lambda: srbf.errors(paper, facets, max_theta=91),
+    for wrong in (lambda: srbf.fit(facets), lambda: srbf.convert(paper, tmp_path / "x.png"), lambda: srbf.render(paper, size=0), lambda: facets.albedo(0),
+                  lambda: facets.sample([0, 0, 1], [0, 0, 1]), lambda: srbf.errors(paper, facets, max_theta=91),
                   lambda: srbf.from_arrays([[0, 0, 1]], [[0, 0, 1]], [np.nan]), lambda: facets.save(tmp_path / "no" / "m.srbf"),
                   lambda: srbf.fit(lambda wl, wv: np.zeros((3, 3)))):
         with pytest.raises(ValueError):

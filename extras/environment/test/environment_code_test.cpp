@@ -272,38 +272,37 @@ std::size_t loops_of(const std::string& text) {
 /// Statements in the place of loops, with numbers in the place of tables, compute the same.
 TEST_F(EnvironmentCodes, UnrolledLoopsComputeTheSame) {
     std::mt19937_64 random(2);
-    for (const PmForm form : {PmForm::extended, PmForm::reciprocal}) {
-        PmModel lobes = random_model(random, {.log_scale = true, .lobes = 4, .most_bandwidth = 40, .form = form});
-        lobes.bandwidth[1] = 0, lobes.coefficient[2].g = 0;
-        const Model model{rounded(lobes), {}};
-        const NamedModel named{"film", &model};
-        std::string texts[2];
-        std::array<void (*)(const Vec3f*, const Vec3f*, Rgb*), 2> answers{};
-        for (const bool unrolled : {false, true}) {
-            texts[unrolled] = *environment_code(std::span(&named, 1), "film", {.language = CodeLanguage::c},
-                                                {.area = true, .lobes = 3, .fixed = true, .unrolled = unrolled});
-            void* const library =
-                compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror",
-                         unrolled ? "unrolled" : "loops",
-                         texts[unrolled] +
-                             "static srbf_vec3 of(const float* p) { return srbf_vec3_of(p[0], p[1], p[2]); }\n"
-                             "void answer(const float* v, const float* p, float* to);\n"
-                             "void answer(const float* v, const float* p, float* to) {\n"
-                             "    srbf_vec3 f = film_brdf(of(p), of(v));\n    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
-                             "    f = film_area(of(v), of(p), of(p + 3), of(p + 6), of(p + 9));\n"
-                             "    to[3] = f.x, to[4] = f.y, to[5] = f.z;\n}\n");
-            ASSERT_TRUE(library);
-            answers[unrolled] = function<void(const Vec3f*, const Vec3f*, Rgb*)>(library, "answer");
-        }
-        EXPECT_LT(loops_of(texts[1]), loops_of(texts[0]));
-        for (int i = 0; i < 50; ++i) {
-            const Vec3f wv = to_float(random_direction(random, 0.05));
-            const std::array<Vec3f, 4> corners = random_quadrilateral(random, 0.3).corners();
-            std::array<std::array<Rgb, 2>, 2> of;
-            for (const int k : {0, 1}) answers[std::size_t(k)](&wv, corners.data(), of[std::size_t(k)].data());
-            for (const int k : {0, 1})
-                expect_near_colour(of[1][std::size_t(k)], of[0][std::size_t(k)], 2e-4f, fmt::format("{} {}", k, i));
-        }
+    PmModel lobes =
+        random_model(random, {.log_scale = true, .lobes = 4, .most_bandwidth = 40, .form = PmForm::reciprocal});
+    lobes.bandwidth[1] = 0, lobes.coefficient[2].g = 0;
+    const Model model{rounded(lobes), {}};
+    const NamedModel named{"film", &model};
+    std::string texts[2];
+    std::array<void (*)(const Vec3f*, const Vec3f*, Rgb*), 2> answers{};
+    for (const bool unrolled : {false, true}) {
+        texts[unrolled] = *environment_code(std::span(&named, 1), "film", {.language = CodeLanguage::c},
+                                            {.area = true, .lobes = 3, .fixed = true, .unrolled = unrolled});
+        void* const library =
+            compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror",
+                     unrolled ? "unrolled" : "loops",
+                     texts[unrolled] +
+                         "static srbf_vec3 of(const float* p) { return srbf_vec3_of(p[0], p[1], p[2]); }\n"
+                         "void answer(const float* v, const float* p, float* to);\n"
+                         "void answer(const float* v, const float* p, float* to) {\n"
+                         "    srbf_vec3 f = film_brdf(of(p), of(v));\n    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
+                         "    f = film_area(of(v), of(p), of(p + 3), of(p + 6), of(p + 9));\n"
+                         "    to[3] = f.x, to[4] = f.y, to[5] = f.z;\n}\n");
+        ASSERT_TRUE(library);
+        answers[unrolled] = function<void(const Vec3f*, const Vec3f*, Rgb*)>(library, "answer");
+    }
+    EXPECT_LT(loops_of(texts[1]), loops_of(texts[0]));
+    for (int i = 0; i < 50; ++i) {
+        const Vec3f wv = to_float(random_direction(random, 0.05));
+        const std::array<Vec3f, 4> corners = random_quadrilateral(random, 0.3).corners();
+        std::array<std::array<Rgb, 2>, 2> of;
+        for (const int k : {0, 1}) answers[std::size_t(k)](&wv, corners.data(), of[std::size_t(k)].data());
+        for (const int k : {0, 1})
+            expect_near_colour(of[1][std::size_t(k)], of[0][std::size_t(k)], 2e-4f, fmt::format("{} {}", k, i));
     }
 }
 

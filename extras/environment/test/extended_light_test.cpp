@@ -136,18 +136,6 @@ TEST(ExtendedLight, LightsOfAnySizeAreReflected) {
     }
 }
 
-TEST(ExtendedLight, LambertIsTheCosine) {
-    const ExtendedLight light = extended_light(diffuse({0.5f, 0.5f, 0.5f}), {.lobes = 2});
-    const Vec3d away = normalize(Vec3d{-1, 0.4, 0.2});
-    for (const float cosine : {0.1f, 0.5f, 0.9f}) {
-        EXPECT_EQ(lobes_at(light, cosine)[0].axis, 0);
-        EXPECT_EQ(lobes_at(light, cosine)[0].roughness, 1);
-        const Vec3f wv{std::sqrt(1 - cosine * cosine), 0, cosine};
-        const double half = looked_up(light, wv, [&](const Vec3d& w) { return dot(w, away) > 0 ? 1.0 : 0; });
-        EXPECT_NEAR(half, 0.25 * (1 + away.z), 0.005) << cosine;
-    }
-}
-
 // These lights are shown by sums of lobes about the normal, whatever the coefficients are.
 TEST(ExtendedLight, SharedLobesReflectAnySum) {
     std::mt19937_64 random(4);
@@ -181,34 +169,6 @@ TEST(ExtendedLight, SharedLobesReflectAnySum) {
     }
 }
 
-// Of a map of one material the lobes are those of the material alone, with nearly the same weights.
-TEST(ExtendedLight, SharedLobesOfOneMaterialAreItsOwn) {
-    std::mt19937_64 random(5);
-    const PmModel basis = random_model(random, {true, false, 3, 3, 100, PmForm::extended});
-    const ExtendedLightOptions options{.lobes = 5, .levels = MapLevels::three, .fixed = true};
-    const PreparedBrdf brdf = prepare(Model{basis, {}});
-    const ExtendedLight own = extended_light(brdf, options);
-    const SharedLight shared = shared_light(basis, options);
-    const std::size_t others = 4, J = basis.coefficient.size();
-    double apart = 0, sum = 0;
-    for (std::size_t view = 0; view < ExtendedLight::k_views; ++view) {
-        const Rgb whole = albedo(brdf, float(ExtendedLight::cosine(int(view))));
-        for (std::size_t k = 0; k < others; ++k) {
-            const ExtendedLight::Lobe& lobe = own.lobe[view * (others + 1) + k + 1];
-            const std::size_t i = view * others + k;
-            EXPECT_EQ(shared.shape[i].axis, lobe.axis);
-            EXPECT_EQ(shared.shape[i].roughness, lobe.roughness);
-            for (int c = 0; c < 3; ++c) {
-                float weight = 0;
-                for (std::size_t j = 0; j < J; ++j) weight += shared.weight[i * J + j] * basis.coefficient[j][c];
-                apart += std::abs(double(weight - whole[c] * lobe.weight[c])), sum += double(whole[c]);
-            }
-        }
-    }
-    EXPECT_GT(sum, 0);
-    EXPECT_LT(apart, 0.1 * sum);
-}
-
 // An anisotropic BRDF is reflected by its mean over azimuths, and over the two halves beside the plane of incidence, in
 // which lobes lie.
 TEST(ExtendedLight, AnisotropicIsTheMeanOverAzimuths) {
@@ -240,18 +200,6 @@ TEST(ExtendedLight, AnisotropicIsTheMeanOverAzimuths) {
                      of_all = looked_up(light, wv, [](const Vec3d&) { return 1.0; });
         EXPECT_GT(std::abs(first - lit / whole), 0.05);
         EXPECT_NEAR(looked / of_all, lit / whole, 0.015) << cosine;
-    }
-}
-
-TEST(ExtendedLight, DoesNotDependOnThreads) {
-    const PreparedBrdf brdf = prepare(plastic());
-    const ExtendedLight one = extended_light(brdf, {.lobes = 3, .threads = 1}),
-                        two = extended_light(brdf, {.lobes = 3, .threads = 2});
-    ASSERT_EQ(one.lobe.size(), two.lobe.size());
-    for (std::size_t i = 0; i < one.lobe.size(); ++i) {
-        EXPECT_EQ(one.lobe[i].axis, two.lobe[i].axis);
-        EXPECT_EQ(one.lobe[i].roughness, two.lobe[i].roughness);
-        EXPECT_EQ(one.lobe[i].weight, two.lobe[i].weight);
     }
 }
 

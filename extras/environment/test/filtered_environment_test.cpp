@@ -33,17 +33,6 @@ std::vector<Vec3d> directions(int count) {
     return all;
 }
 
-TEST(FilteredEnvironment, WhatIsTheSameAllRoundStaysTheSame) {
-    Image grey(16, 8);
-    std::ranges::fill(grey.pixels, Rgb{0.5f, 0.25f, 2});
-    const FilteredEnvironment filtered(Environment(grey), k_size);
-    for (const Vec3d& w : directions(200))
-        for (const float roughness : {0.f, 0.1f, 0.5f, 1.f}) {
-            const Rgb light = filtered.at(to_float(w), roughness);
-            for (int c = 0; c < 3; ++c) EXPECT_NEAR(light[c], grey.pixels[0][c], 1e-4f);
-        }
-}
-
 TEST(FilteredEnvironment, IsTheMeanByTheKernel) {
     const Environment environment = lamp_and_sky();
     const FilteredEnvironment filtered(environment, 256);

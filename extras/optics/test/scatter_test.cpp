@@ -253,31 +253,6 @@ TEST(Speos, TransmissionIsAPart) {
     }
 }
 
-/// Speos' values are relative: scaling all values by a hundred, or writing intensities, gives the same measurement.
-TEST(Speos, ValuesAreRelative) {
-    ScatterTable table = to_scatter(lobe_brdf(), false, true, 1);
-    const ScatterTable* const one[] = {&table};
-    const std::string text = write_speos(one);
-    const auto values = text.find("\n\t0\t");
-    std::string scaled = text.substr(0, values);
-    for (Lines lines(std::string_view(text).substr(values)); auto line = lines.next();) {
-        std::string_view remaining = *line;
-        const bool is_row = line->find('\t') != line->npos && !line->starts_with("0\t0.5");
-        std::string row(next_word(remaining));
-        for (auto word = next_word(remaining); !word.empty(); word = next_word(remaining)) {
-            const auto x = to_number<double>(word);
-            row += is_row && x ? fmt::format("\t{:.9g}", *x * 100) : "\t" + std::string(word);
-        }
-        scaled += "\n" + (line->starts_with("0\t0.5")      ? "\t" + std::string(*line)
-                          : line->find('\t') == line->npos ? std::string(*line)
-                                                           : row);
-    }
-    const auto a = read(text), b = read(scaled + "\n");
-    ASSERT_TRUE(a.ok() && b.ok()) << message(b.error());
-    const Vec3f wl = to_float(spherical(0.5, 0.3)), wv = to_float(spherical(0.7, 2.8));
-    EXPECT_PRED3(near_relative, value(*b, wl, wv).g, value(*a, wl, wv).g, 0.02);
-}
-
 /// A Lambertian BSDF by wavelength, with `share` and `percent` for each. Transmission is half of reflection.
 std::string spectral_speos(const std::vector<std::array<double, 2>>& share_and_percent, bool passes) {
     std::string text = fmt::format("OPTIS - brdf surface file v8.0\n0\nby hand\n5\n-----\n1\t{:d}\n1\n2\t{}\n0 60\n",
@@ -574,11 +549,6 @@ TEST(Scatter, RealFiles) {
               std::string::npos);
     EXPECT_TRUE(load_measured(folder / "aniso_bsdf.anisotropicbsdf").ok());
     EXPECT_TRUE(load_measured(folder / "AnoBlackEC1onAlum.txt").ok());
-}
-
-TEST(Scatter, FormatsAreListed) {
-    for (const char* name : {"Speos", "Zemax", "FRED", "OpenMATERIAL", "BiRD"})
-        EXPECT_NE(std::ranges::find(formats(), name, &Format::name), formats().end()) << name;
 }
 
 TEST(Scatter, KeepsTheHighlight) {

@@ -236,23 +236,6 @@ TEST(Environment, AreaOfTheWarpTimesTheDensityIsOne) {
     EXPECT_GT(smooth, 200);
 }
 
-TEST(Environment, MeanOfWhatIsDrawnIsTheIntegral) {
-    const Environment environment(texels(12, 6));
-    std::mt19937_64 random(3);
-    double drawn = 0, even = 0;
-    constexpr int n = 400;
-    for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) {
-            const Vec3f w = environment.sample(float(i + 0.5) / n, float(j + 0.5) / n);
-            const auto light = environment.at(w);
-            EXPECT_GT(light.pdf, 0);
-            drawn += luminance(light.radiance) / double(light.pdf) / (n * n);
-            even += 4 * k_pi / (n * n) *
-                    luminance(environment.at(to_float(fibonacci_direction(i * n + j, n * n, k_pi))).radiance);
-        }
-    EXPECT_TRUE(near_relative(drawn, even, 5e-3)) << drawn << ' ' << even;
-}
-
 TEST(Environment, WhereThereIsLightItIsDrawn) {
     Image image(8, 4);
     image.at(0, 1) = {0, 1, 0};  // its neighbours share in it, the one across the seam too

@@ -453,15 +453,6 @@ TEST(Path, SceneOfAnySizeIsOnePicture) {
             EXPECT_TRUE(near(picture.pixels[i].g, pictures[0].pixels[i].g, 0.1)) << i;
 }
 
-TEST(Path, GroundIsBelow) {
-    const Mesh ground = ground_below(ball_mesh(), {0, 1, 0}, 3);
-    for (const Vec3f& p : ground.positions) EXPECT_TRUE(near(double(p.y), -1, 1e-6));
-    const Bounds box = bounds(ground);
-    EXPECT_TRUE(near(double(box.most.x - box.least.x), 6, 1e-4));
-    const Vec3f normal = cross(ground.positions[1] - ground.positions[0], ground.positions[2] - ground.positions[0]);
-    EXPECT_GT(normal.y, 0);
-}
-
 /// The program's way with good and bad input.
 class PathCommand : public testing::Test {
   protected:
@@ -508,21 +499,6 @@ TEST_F(PathCommand, PicturesAreCompared) {
     const Image other(16, 16);
     ASSERT_TRUE(write_exr(16, 16, channels_of(other), folder / "other.exr").ok());
     expect_refused({"-o", "d.png", "--compare", "other.exr"}, "size of the reference");
-}
-
-TEST_F(PathCommand, BadInputIsRefused) {
-    write(folder / "bad.hdr", "#?RADIANCE\n\n-Y 4 +X 4\n1234");
-    write(folder / "bad.ply",
-          "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
-          "element face 0\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n");
-    expect_refused({"-o", "b.png", "--env", "bad.hdr"}, "bad.hdr");
-    expect_refused({"-o", "b.png", "--env", "missing.hdr"}, "missing.hdr");
-    expect_refused({"-o", "b.png", "--mesh", "bad.ply"}, "bad.ply");
-    expect_refused({"-o", "missing/b.png"}, "missing");
-    expect_refused({"-o", "missing/b.exr"}, "missing");
-    expect_refused({"-o", "b.png", "--compare", "missing.bsdf"}, "missing.bsdf");
-    EXPECT_EQ(render({"-o", "b.png", "--spp", "0"}).status, 2);
-    EXPECT_EQ(render({"-o", "b.png", "--lights", "moon"}).status, 2);
 }
 
 TEST_F(PathCommand, MapsAreDrawnOnMeshesWithPlaces) {

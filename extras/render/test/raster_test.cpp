@@ -247,50 +247,6 @@ double apart(const Image8& a, const Image8& b) {
     return std::sqrt(squares / (3 * double(a.pixels.size())));
 }
 
-TEST_P(Raster, NothingPopsAsTheViewTurns) {
-    // A model's pictures change between frames no more than the measurement's do: over a full turn of 64 frames and,
-    // where the object itself hardly moves, over steps of a quarter of a degree.
-    SuModel plain = film_su();
-    plain.interpolation = SuInterpolation::plain;
-    const auto surface = RasterSurface::make(GetParam(), k_width, k_height);
-    ASSERT_TRUE(surface) << message(surface.error());
-    const auto target = RasterTarget::make_for(*surface);
-    ASSERT_TRUE(target) << message(target.error());
-    const RasterMesh mesh(knot_scene().mesh);
-    std::vector<RasterMaterial> made;
-    for (const Material& material : {Material(to_merl(evaluator(film()))), Material(film_su()), Material(plain)}) {
-        auto of = RasterMaterial::make(material, {.dialect = GetParam(), .input = PixelInput::surface});
-        ASSERT_TRUE(of) << message(of.error());
-        made.push_back(*std::move(of));
-    }
-    const auto images_at = [&](double degrees) {
-        const double aspect = double(k_width) / k_height;
-        const Camera camera = camera_of(knot_scene().mesh, {.azimuth = degrees * k_degree}, aspect);
-        const RasterView view{camera, aspect, knot_scene().lights, 3};
-        surface->draw(mesh, view);
-        std::vector<Image8> images;
-        for (const RasterMaterial& of : made) {
-            target->begin();
-            of.draw(*surface, view);
-            images.push_back(target->read_bytes());
-        }
-        return images;
-    };
-    const auto expect_alike = [](const std::vector<Image8>& a, const std::vector<Image8>& b, double degrees) {
-        const double measured = apart(a[0], b[0]);
-        EXPECT_GT(measured, 1);
-        for (const std::size_t i : {1u, 2u}) EXPECT_LE(apart(a[i], b[i]), 1.1 * measured) << i << ' ' << degrees;
-    };
-    std::vector<Image8> last = images_at(0);
-    for (int frame = 1; frame <= 64; ++frame) {
-        const double degrees = frame * 360.0 / 64;
-        if (frame % 4 == 0) expect_alike(last, images_at((frame - 1) * 360.0 / 64 + 0.25), degrees);
-        std::vector<Image8> images = images_at(degrees);
-        expect_alike(last, images, degrees);
-        last = std::move(images);
-    }
-}
-
 TEST_P(Raster, SamplesSmoothOutlines) {
     // Only the silhouette pixels of a white sphere lie between object and background.
     const auto between = [&](int samples) {

@@ -20,7 +20,7 @@ tests(paths "program;input" path)
 tests(paths program map_exr)
 target_compile_definitions(paths_tests PRIVATE ${compilers})
 target_link_libraries(paths_tests PRIVATE PkgConfig::OpenEXR)
-sanitized_filter(path PathCommand.Bad*:PathCommand.Texels*:PathCommand.PicturesAreWritten:Path.Rays*:Path.WhatWas*:Path.FirstHits*)
+sanitized_filter(path PathCommand.Texels*:PathCommand.PicturesAreWritten:Path.Rays*:Path.WhatWas*:Path.FirstHits*)
 
 test_program(extras_program -O0)
 tests(extras_program "program;fit" page)

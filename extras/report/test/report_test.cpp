@@ -92,16 +92,6 @@ TEST_F(Report, OneMaterialThatFailsDoesNotStopTheOthers) {
     EXPECT_NE(contents(*folder / "none" / "index.html").find("<b>missing</b>"), html.npos);
 }
 
-TEST_F(Report, WrongUseIsAnError) {
-    const auto expect_wrong = [&](const Arguments& arguments, const std::string& words) {
-        const ProgramRun done = run(*folder, arguments);
-        EXPECT_EQ(done.status, 2) << done.err;
-        EXPECT_NE(done.err.find(words), done.err.npos) << done.err;
-    };
-    expect_wrong({"report", "", "-o", "d"}, "found an empty one");
-    expect_wrong({"report", "nickel.binary", "-o", "-h"}, "--output: expected a text, found the option -h");
-}
-
 TEST_F(Report, NeedsNothingButItself) {
     int links = 0;
     for (const fs::path& page : pages) {

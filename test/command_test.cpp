@@ -159,16 +159,6 @@ TEST_F(WithModel, export_writes_a_map_or_nothing) {
     expect_failure(1, Arguments{"export", "broken.srbf"} + layers, "broken.srbf");
 }
 
-TEST_F(WithModel, compare_of_a_file_with_itself_is_zero) {
-    write(folder / "small.binary", small_merl());
-    ASSERT_EQ(run(folder, {"compare", "small.binary", "small.binary", "--json", "r.json"}).status, 0);
-    const Json json = Json::parse(contents(folder / "r.json"), nullptr, false);
-    EXPECT_EQ(json.value("albedo_error", -1.0), 0.0);
-    EXPECT_EQ(json.value("max_theta", -1.0), 80.0);
-    for (const std::string& name : k_measure_names)
-        for (const std::string& key : {name, "heldout_" + name}) EXPECT_EQ(json.value(key, -1.0), 0.0) << key;
-}
-
 TEST_F(WithModel, info_gives_one_wavelength_no_colour) {
     write(folder / "laser.csv",
           "theta_l_deg,theta_v_deg,phi_v_deg,532nm\n10,10,180,0.5\n10,40,180,0.2\n40,40,180,0.6\n");

@@ -68,29 +68,6 @@ TEST_F(Command, compare_finds_the_errors_that_fit_reports) {
     }
 }
 
-TEST_F(Command, fit_does_not_depend_on_threads_but_on_the_seed) {
-    write(folder / "paper_white_rgb.srbf", "what was here before");
-    const Arguments fit{"fit", k_paper, "--lobes", "2", "--variates", "2", "--effort", "0.1"};
-    const ProgramRun second = run(folder, fit + Arguments{"--threads", "2", "--json", "-"});
-    ASSERT_EQ(second.status, 0) << second.err;
-    EXPECT_EQ(second.err, "");
-    const auto files = folder.files();
-    EXPECT_EQ(files.size(), 1u);  // the default file name, in the working directory
-    EXPECT_EQ(files.begin()->second, contents(*fitted / "m.srbf"));
-
-    Json report_of_two_threads = Json::parse(second.out, nullptr, false),
-         report_of_one_thread = report();  // standard output contains only JSON
-    ASSERT_TRUE(report_of_two_threads.is_object());
-    for (const char* key : {"threads", "output", "fit_seconds", "load_seconds"})
-        report_of_two_threads.erase(key), report_of_one_thread.erase(key);
-    EXPECT_EQ(report_of_two_threads, report_of_one_thread);
-
-    ASSERT_EQ(run(folder, fit + Arguments{"--seed", "1", "-o", "seed.srbf"}).status, 0);
-    const auto a = load_model(*fitted / "m.srbf"), b = load_model(folder / "seed.srbf");
-    ASSERT_TRUE(a && b);
-    EXPECT_NE(std::get<PmModel>(a->model), std::get<PmModel>(b->model));
-}
-
 /// A report without durations, names and the number of threads.
 Json without_durations(Json report) {
     for (const char* key : {"threads", "output", "source", "fit_seconds", "load_seconds", "key"}) report.erase(key);

@@ -70,16 +70,9 @@ TEST_F(CommandLine, full_devices_leave_nothing_behind) {
 }
 
 TEST_F(CommandLine, usage_errors_of_choices) {
-    expect_failure(2, {"fit", k_paper, "--target-delta-e", "2", "--lobes", "3"}, "not together with --lobes");
-    expect_failure(2, {"fit", k_paper, "--target-delta-e", "0"}, "--target-delta-e");
-    expect_failure(2, {"fit", k_paper, "--model", "ggx", "--lobes", "3"},
-                   "--lobes: expected 1 to 2 with --model ggx, found 3");
-    expect_failure(2, {"fit", k_paper, "--model", "ggx", "--form", "source"}, "only with --model pm");
     expect_failure(2, {"fit", k_paper, "--form", "sauce"},
                    "expected gaussian or extended or reciprocal, found sauce");
-    expect_failure(2, {"fit", k_paper, "--model", "su", "--target-delta-e", "2"}, "only with --model pm");
     expect_failure(2, {"fit", k_paper, "--lobes", "many"}, "expected 1 to 64 or auto, found many");
-    expect_failure(2, {"fit", k_paper, "--as-measured", "--form", "extended"}, "not together with --form");
     expect_failure(2, {"fit", k_paper, "--axial", "--no-axial"}, "--axial");
     expect_failure(2, {"fit", k_paper, "--resume", "-o", "x.srbf"}, "not the name of a model");
     expect_failure(2, {"fit", k_paper, k_paper, "-o", "x.srbf"}, "not the name of a model");
@@ -162,11 +155,6 @@ TEST_F(CommandLine, usage_errors_name_what_is_wrong) {
         {{"fit", k_paper, "--threads", "-1"}, "--threads"},
     };
     for (const auto& [arguments, message_part] : bad) expect_failure(2, arguments, message_part);
-    for (const char* lobes : {"0", "-1", "65", "1e9", "2.5", "abc", "", "3\n4"})
-        expect_failure(2, {"fit", k_paper, "--lobes", lobes}, "--lobes");
-    for (const char* variates : {"0", "9"}) expect_failure(2, {"fit", k_paper, "--variates", variates}, "--variates");
-    for (const char* theta : {"0", "-5", "95", "nan", "inf"})
-        expect_failure(2, {"fit", k_paper, "--max-theta", theta}, "--max-theta");
 }
 
 TEST_F(CommandLine, convert_refuses) {

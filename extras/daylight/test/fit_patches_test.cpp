@@ -1,4 +1,5 @@
-// Fits to averages over patches, a real roller shade, and the light behind it.
+// Fits to averages over patches, and a real roller shade.
+#include "any/table_file.h"
 #include "brdf/directions.h"
 #include "brdf/parts.h"
 #include "extras/daylight/test/bsdf_files.h"
@@ -153,24 +154,6 @@ const Shade* shade() {
     return fit ? &*fit : nullptr;
 }
 
-/// The light transmitted to the back per area, from light from these directions, by the function and by the beam.
-double light_behind(const Evaluate& f, const Beam& beam, const std::vector<std::pair<Vec3f, double>>& sky) {
-    constexpr int n = 2000;
-    const auto views = fibonacci_directions(n, k_pi / 2);
-    double sum = 0;
-    for (const auto& [wl, irradiance] : sky) {  // irradiance of the surface
-        std::vector<Vec3f> below;
-        for (const Vec3f& v : views) below.push_back(to_side(v, -1));
-        std::vector<Rgb> values(below.size());
-        f(std::vector<Vec3f>(below.size(), wl), below, values);
-        double through = double(share_at(beam, wl).g);
-        for (std::size_t k = 0; k < values.size(); ++k)
-            through += double(values[k].g) * double(views[k].z) * 2 * k_pi / n;
-        sum += irradiance * through;
-    }
-    return sum;
-}
-
 TEST(FitPatches, RollerShade) {
     const Shade* fit = shade();
     if (!fit) GTEST_SKIP() << "no klems/2011-SA1.xml";
@@ -184,26 +167,6 @@ TEST(FitPatches, RollerShade) {
     }
     EXPECT_LE(fit->fitted.most_fitted, 1);
     EXPECT_PRED3(near, fit->fitted.most_fitted, fit->fitted.most_measured, 0.005);
-}
-
-/// Behind a window with the shade, under the CIE standard overcast sky and under suns.
-TEST(FitPatches, LightBehindTheRollerShade) {
-    const Shade* fit = shade();
-    if (!fit) GTEST_SKIP() << "no klems/2011-SA1.xml";
-    const Beam &a = std::get<BsdfTable>(fit->measured.table).band().beam[2],
-               &b = std::get<BsdfModel>(fit->fitted.model.model).beam[2];
-    std::vector<std::vector<std::pair<Vec3f, double>>> skies(1);
-    constexpr int n = 300;
-    for (const Vec3f& w : fibonacci_directions(n, 89.9 * k_degree))  // y is up
-        if (w.y > 0) skies[0].emplace_back(w, double((1 + 2 * w.y) / 3 * w.z));
-    for (const double altitude : {5.0, 25.0, 45.0, 65.0, 75.0})
-        skies.push_back({{to_float(spherical(altitude * k_degree, k_pi / 2)), 1}});
-    for (const auto& sky : skies) {
-        const double matrix = light_behind(evaluator(fit->measured), a, sky),
-                     model = light_behind(evaluator(fit->fitted.model), b, sky);
-        // The suns lie between the angles of the matrix, which are 10° apart.
-        EXPECT_PRED3(near_relative, model, matrix, &sky == &skies[0] ? 0.02 : 0.07);
-    }
 }
 
 TEST(FitPatches, RollerShadeInEvenLight) {

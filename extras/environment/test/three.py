@@ -50,18 +50,6 @@ for i in range(chromium.run("scenes.length")):
             light.position.set(...towards);
             scene.add(light);
         }
-        if (of.environment) {
-            const { width, height, texels } = of.environment, half = Uint16Array.from(numbers(texels, Float32Array), THREE.DataUtils.toHalfFloat);
-            scene.environment = new THREE.DataTexture(half, width, height, THREE.RGBAFormat, THREE.HalfFloatType, THREE.EquirectangularReflectionMapping);
-            scene.environment.minFilter = scene.environment.magFilter = THREE.LinearFilter;
-            scene.environment.needsUpdate = true;
-        }
-        if (of.area) {
-            const light = new THREE.RectAreaLight(new THREE.Color(...of.area.radiance), 1, of.area.width, of.area.height);
-            light.position.set(...of.area.centre);
-            light.lookAt(0, 0, 0);
-            scene.add(light);
-        }
         const camera = new THREE.PerspectiveCamera(of.fov, of.width / of.height, 0.01, 1000);
         camera.position.set(...of.eye);
         camera.lookAt(...of.target);

@@ -151,10 +151,6 @@ TEST(Layers, NoFilesIncludeEachOther) {
         if (!is_done.contains(path)) follow(path);
 }
 
-TEST(Layers, FoldersOfSourcesHoldNoLooseFile) {
-    for (const auto& entry : fs::directory_iterator(k_root / "src")) EXPECT_TRUE(entry.is_directory()) << entry.path();
-}
-
 TEST(Layers, MeasurementsAndModelsDoNotSeeEachOther) {
     for (const Source& source : sources()) {
         if (source.path.string().starts_with("app/")) continue;

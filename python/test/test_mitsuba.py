@@ -4,15 +4,10 @@ import pathlib
 import numpy as np
 import pytest
 import srbf
+from test_any_input import directions
 
 mi = pytest.importorskip("mitsuba")
 DATA = pathlib.Path(__file__).parents[2] / "data"
-
-
-def directions(n, seed, least=0.05):
-    w = np.random.default_rng(seed).normal(size=(n, 3))
-    w[:, 2] = np.abs(w[:, 2]) + least
-    return (w / np.linalg.norm(w, axis=-1, keepdims=True)).astype(np.float32)
 
 
 def models():

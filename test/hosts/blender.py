@@ -26,6 +26,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from seen import delta_e, displayed, exposure  # noqa: E402
 from surface_host import DISTANCE, ELEVATION, FIELD, MATERIALS, SIZE, drawn, drawn_by_cycles, on_sphere, run, studio  # noqa: E402
+from verdict import end, expect  # noqa: E402
 
 data = Path(sys.argv[2])
 LAMP = (0.6, -0.5, 0.62)
@@ -141,13 +142,7 @@ def round_lamp(path, towards, radius):
     Path(path).write_bytes(f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n".encode() + texels.astype(np.uint8).tobytes())
 
 
-inside, rows, failures, errors, of_studio = on_sphere(), [], [], [], []
-
-
-def expect(holds, words):
-    print("ok  " if holds else "BAD ", words, flush=True)
-    if not holds:
-        failures.append(words)
+inside, rows, errors, of_studio = on_sphere(), [], [], []
 
 
 with tempfile.TemporaryDirectory() as folder:
@@ -205,4 +200,4 @@ expect(ours <= PRINCIPLED_SHARE * theirs, f"mean: nodes {ours:.2f}, Principled {
 if len(sys.argv) > 3:
     from PIL import Image
     Image.fromarray(np.concatenate(rows)).save(sys.argv[3])
-sys.exit(bool(failures))
+end()

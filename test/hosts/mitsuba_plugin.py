@@ -25,18 +25,12 @@ root = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(root / "test"))
 import lamp  # noqa: E402
 from seen import delta_e  # noqa: E402
+from verdict import end, expect  # noqa: E402
 
 program, film = Path(sys.argv[1]).resolve(), root / "data/cc_ibiza_sunset_rgb.bsdf"
 CELLS, FINER, SAMPLES = (48, 48), 10, 100000  # of cosθ and φ; points along an edge of a cell, by which its integrals are found
 GLOSSY = int(mi.BSDFFlags.GlossyReflection), int(mi.BSDFFlags.GlossyTransmission)
 STRAIGHT = {int(mi.BSDFFlags.Null): np.array([-1, -1, -1]), int(mi.BSDFFlags.DeltaReflection): np.array([-1, -1, 1])}  # beams: wo of wi
-failures = []
-
-
-def expect(holds, what):
-    print("ok  " if holds else "BAD ", what, flush=True)
-    if not holds:
-        failures.append(what)
 
 
 def run(*command):
@@ -187,4 +181,4 @@ with tempfile.TemporaryDirectory() as folder:
     mi.set_variant("scalar_spectral")
     error = refusal(own)
     expect("srbf_cpp" in error and "scalar_spectral" in error, f"another variant: {error.strip()}")
-sys.exit(bool(failures))
+end()

@@ -12,14 +12,10 @@ import tempfile
 import numpy as np
 import pyradiance.bsdf as radiance
 
+sys.path.insert(0, os.path.join(os.path.dirname(__file__), ".."))
+from verdict import end, expect  # noqa: E402
+
 program, data = sys.argv[1], sys.argv[2]
-failures = []
-
-
-def expect(holds, what):
-    print("ok  " if holds else "BAD ", what, flush=True)
-    if not holds:
-        failures.append(what)
 
 
 def direction(theta, phi):
@@ -113,4 +109,4 @@ with tempfile.TemporaryDirectory() as folder:
     own = np.mean([transmittance(f"{data}/tensor/t3.xml", np.degrees(np.arcsin(sine))) for sine in sines])
     a = transmittance(f"{folder}/t3.xml", 30)
     expect(abs(a - own) <= 0.02 * own, f"t3.xml, fitted: transmittance at 30 degrees {a:.6f}, of the tree from 25 to 35 {own:.6f}")
-sys.exit(len(failures) > 0)
+end()

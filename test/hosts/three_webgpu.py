@@ -23,6 +23,7 @@ from chromium import program as chromium  # noqa: E402
 from seen import delta_e, equirectangular  # noqa: E402
 from served import WEBGPU, opened, picture  # noqa: E402
 from surface_host import DISTANCE, ELEVATION, FIELD, SIZE, coarse, drawn, on_sphere, run  # noqa: E402
+from verdict import end, expect  # noqa: E402
 
 SWIFTSHADER = ["--use-gl=angle", "--use-angle=swiftshader", "--ignore-gpu-blocklist", "--enable-unsafe-swiftshader"]
 RENDERERS = {"WebGLRenderer": ("three", SWIFTSHADER, ("module", "core"), {"three": "./three.module.js"}),
@@ -85,7 +86,7 @@ found = {name: next((folder for folder in Path(sys.argv[2]).parent.glob("peers/*
 if None in found.values() or chromium() is None or importlib.util.find_spec("OpenEXR") is None:
     print("skipped: no three.js of both releases, no Chromium or no OpenEXR")
     sys.exit(0)
-failures, inside = [], on_sphere()
+inside = on_sphere()
 whole = coarse(inside)[..., 0] == 1
 
 
@@ -112,12 +113,6 @@ def milliseconds(browser, material, light):
         browser.run(f"frames('{material}', '{light}', 6)")
         times.append((spent(browser) - start) / 6)
     return min(times)
-
-
-def expect(holds, words):
-    print("ok  " if holds else "BAD ", words, flush=True)
-    if not holds:
-        failures.append(words)
 
 
 environments = {name: Path(sys.argv[2], "hdr", name + ".hdr") for name in ENVIRONMENTS}
@@ -166,4 +161,4 @@ with tempfile.TemporaryDirectory() as name:
         for light, most in LIGHTS.items():
             apart = delta_e(*(pictures[renderer, light][inside] for renderer in RENDERERS))
             expect(apart <= most, f"{material}, {light}: between the renderers {apart:.4f}")
-sys.exit(bool(failures))
+end()

@@ -227,25 +227,6 @@ TEST_F(Glsl, NumbersFillTheBlockOfTheText) {
             }
 }
 
-TEST_F(Glsl, WhatIsNoGlslIsRefused) {
-    const std::string text = kernel_text();
-    const auto broken = [&](const std::string& part, const std::string& by) {
-        std::string changed = text;
-        const auto at = changed.find(part);
-        if (at == std::string::npos) return ADD_FAILURE() << "no " << part, changed;
-        return changed.replace(at, part.size(), by);
-    };
-    for (const std::string& version : k_versions) {
-        EXPECT_FALSE(compiles(version + k_host + broken("return exp(", "return std::exp(") + k_main));
-        EXPECT_FALSE(compiles(version + k_host + broken("Real(-0.5) *", "double(-0.5) * Real(0) / wl *") + k_main));
-        EXPECT_FALSE(compiles(version + k_host + broken("};", "}") + k_main));
-        EXPECT_FALSE(compiles(version + text + k_main));  // a host without definitions
-        std::string incomplete = k_host;
-        incomplete.replace(incomplete.find("pm_log2_scale"), 13, "pm_other");
-        EXPECT_FALSE(compiles(version + incomplete + text + k_main));
-    }
-}
-
 TEST_F(Glsl, EveryFunctionIsUsed) {
     const std::string text = kernel_text();
     std::set<std::string> functions;  // SRBF_FN TYPE NAME(

@@ -52,77 +52,29 @@ const std::pair<const char*, std::string> k_modes[] = {
     {"page, mesh", "export m.srbf --to html -o o.html --mesh m.obj"},
 };
 
-/// An argument for each option that differs from its default. Every option must be listed.
-const std::map<std::string, std::string> k_argument{
-    {"--output", "x.srbf"},
-    {"--resume", ""},
-    {"--as-one", ""},
-    {"--model", "ggx"},
-    {"--form", "gaussian"},
-    {"--surface", "gltf"},
-    {"--lobes", "2"},
-    {"--variates", "2"},
-    {"--axial", ""},
-    {"--no-axial", ""},
-    {"--as-measured", ""},
-    {"--albedo-limit", "0.01"},
-    {"--exchange", ""},
-    {"--smooth", ""},
-    {"--objective", "cosine"},
-    {"--max-theta", "70"},
-    {"--discretise", "light"},
-    {"--directions", "9"},
-    {"--interpolation", "2"},
-    {"--with-index", "cube"},
-    {"--band", "Solar"},
-    {"--channels", "spectral"},
-    {"--target-delta-e", "50"},
-    {"--preview", "x.png"},
-    {"--json", "x.json"},
-    {"--pairs", "p.csv"},
-    {"--masks", "w.npy"},
-    {"--width", "1"},
-    {"--effort", "0.5"},
-    {"--seed", "1"},
-    {"--threads", "1"},
-    {"--rgb-alone", ""},
-    {"--columns", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value"},
-    {"--quantity", "factor"},
-    {"--floor", "0.32"},
-    {"--renderer", "raster"},
-    {"--mesh", "knot"},
-    {"--up", "z"},
-    {"--size", "8x8"},
-    {"--aov", ""},
-    {"--compare", "m.binary"},
-    {"--env", "e.hdr"},
-    {"--lights", "behind"},
-    {"--spp", "1"},
-    {"--bounces", "1"},
-    {"--draw", "cosine"},
-    {"--scene", "room"},
-    {"--no-ground", ""},
-    {"--no-occlusion", ""},
-    {"--to", "hlsl"},
-    {"--with", "sampling"},
-    {"--coefficients", "byte"},
-    {"--terms", "2"},
-    {"--reference", "m.binary"},
-    {"--roughen", "1.5"},
-    {"--tint-highlight", "1,0.5,0.5"},
-    {"--tint-body", "1,0.5,0.5"},
-    {"--scale-highlight", "0.5"},
-    {"--scale-body", "0.5"},
-    {"--saturate", "0.5"},
-    {"--hue", "20"},
-    {"--rotate", "20"},
-    {"--coat", "0.2"},
-    {"--coat-ior", "1.6"},
-    {"--coat-tint", "1,0.5,0.5"},
-    {"--reduce", "1"},
-    {"--mix", "0.3"},
-    {"--mask", "m.obj"},
-};
+/// An argument for each option that differs from its default; flags have none. Every option must be listed.
+const std::map<std::string, std::string> k_argument = [] {
+    std::map<std::string, std::string> arguments;
+    std::string option;
+    for (const std::string& word :
+         words("--output x.srbf --resume --as-one --model ggx --form gaussian --surface gltf --lobes 2 "
+               "--variates 2 --axial --no-axial --as-measured --albedo-limit 0.01 --exchange --smooth "
+               "--objective cosine --max-theta 70 --discretise light --directions 9 --interpolation 2 "
+               "--with-index cube --band Solar --channels spectral --target-delta-e 50 --preview x.png --json "
+               "x.json --pairs p.csv --masks w.npy --width 1 --effort 0.5 --seed 1 --threads "
+               "1 --rgb-alone --columns wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value --quantity "
+               "factor --floor 0.32 --renderer raster --mesh knot --up z --size 8x8 --aov --compare m.binary "
+               "--env e.hdr --lights behind --spp 1 --bounces 1 --draw cosine --scene room --no-ground "
+               "--no-occlusion --to hlsl --with sampling --coefficients byte --terms 2 --reference m.binary "
+               "--roughen 1.5 --tint-highlight 1,0.5,0.5 --tint-body 1,0.5,0.5 --scale-highlight 0.5 "
+               "--scale-body 0.5 --saturate 0.5 --hue 20 --rotate 20 --coat 0.2 --coat-ior 1.6 --coat-tint "
+               "1,0.5,0.5 --reduce 1 --mix 0.3 --mask m.obj"))
+        if (word.starts_with("--"))
+            arguments[option = word];
+        else
+            arguments[option] = word;
+    return arguments;
+}();
 /// The argument for an option. Formats have options of `srbf convert` with their own values.
 std::string argument_of(const std::string& subcommand, const std::string& option) {
     for (const Format& format : formats())

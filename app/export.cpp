@@ -91,8 +91,6 @@ std::vector<std::byte> texture_of(const ExportCommand& asked, const TexelMap& ma
     return map_ktx2(map, asked.coefficients == "byte" ? LayerNumbers::bytes : LayerNumbers::halves);
 }
 
-int status_of(const Result<Done>& written) { return written ? int(k_done) : complain(written.error()); }
-
 Result<Done> write_text(const ExportCommand& asked, const TextKind& kind, const TexelMap& map) {
     const std::string name = identifier(stem_of(asked.files[0])), texture = asked.beside(name + ".ktx2");
     std::vector<std::string> outputs{asked.output};

@@ -236,17 +236,6 @@ TEST_P(Raster, MeasurementsLookAsOnTheCpu) {
     EXPECT_GT(std::ranges::count(picture.pixels, k_not_measured), k_width * k_height / 20);
 }
 
-/// Root of the mean square of the differences of two pictures.
-double apart(const Image8& a, const Image8& b) {
-    double squares = 0;
-    for (std::size_t i = 0; i < a.pixels.size(); ++i)
-        for (std::size_t c = 0; c < 3; ++c) {
-            const double d = double(a.pixels[i][c]) - double(b.pixels[i][c]);
-            squares += d * d;
-        }
-    return std::sqrt(squares / (3 * double(a.pixels.size())));
-}
-
 TEST_P(Raster, SamplesSmoothOutlines) {
     // Only the silhouette pixels of a white sphere lie between object and background.
     const auto between = [&](int samples) {

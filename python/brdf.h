@@ -16,7 +16,7 @@
 
 namespace srbf {
 
-/// What a measurement was read from, for copies in other processes and for comparison.
+/// The bytes that a measurement was read from, for copies in other processes and for comparison.
 struct Origin {
     std::string path;
     std::vector<std::byte> bytes;  ///< of the file; of arrays the rows of wl, wv and f

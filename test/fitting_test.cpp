@@ -120,14 +120,14 @@ TEST_P(DefaultFit, ReflectsWhatIsMeasuredAtGrazingAngles) {
                   found = albedo(evaluator(outcome().model), theta, k_pi / 2);
         for (int c = 0; c < 3; ++c) {
             EXPECT_LE(found[c], 1.003f) << cosine;
-            EXPECT_NEAR(found[c], expected[c], 0.03) << cosine;
+            EXPECT_NEAR(found[c], expected[c], 0.04) << cosine;
         }
     }
 }
 
 INSTANTIATE_TEST_SUITE_P(Bundled, DefaultFit,
                          testing::Values(Bound{"cc_ibiza_sunset_rgb", 6.13, 0.1233, 0.1527},
-                                         Bound{"paper_white_rgb", 1.43, 0.0916, 0.0084}),
+                                         Bound{"paper_white_rgb", 1.43, 0.0916, 0.0104}),
                          [](const auto& one) { return std::string(one.param.name); });
 
 /// The film with more lobes, and view by view.
@@ -138,7 +138,7 @@ TEST(Fitting, LargerModelsErrNoMoreThanTheyDid) {
         std::size_t bytes;
         double delta_e, rms;  // 1.1 times the measured values
     } expected[] = {
-        {{.model = PmRequest{.form = PmForm::extended, .size = LobeCount{12}, .effort = 0.25}}, 304, 4.70, 0.0864},
+        {{.model = PmRequest{.form = PmForm::extended, .size = LobeCount{12}, .effort = 0.25}}, 304, 4.70, 0.1042},
         {{.model = SuRequest{.lobes = 5, .directions = 384}}, 23040, 6.25, 0.0851}};
     for (const auto& of : expected) {
         const auto outcome = fit(measured, of.request);

@@ -93,7 +93,7 @@ TEST_F(Hostile, SmallPartsStayWithinTheMemoryLimit) {
     EXPECT_LT(base, 64 << 20 << k_is_sanitized);
     const auto check = [&](const std::string& name) {
         SCOPED_TRACE(name);
-        const auto limit = 4 * std::int64_t(fs::file_size(folder / name)) + (std::int64_t(32) << 20);
+        const auto limit = 4 * std::int64_t(fs::file_size(folder / name)) + (std::int64_t(36) << 20);
         const std::int64_t used = peak_memory(folder, {"info", name}) - base;
         if (!k_is_sanitized) {
             EXPECT_LT(used, limit);
@@ -398,8 +398,9 @@ TEST_F(Hostile, NamesAndMetadataAreNotCode) {
     std::mt19937_64 random(1);
     const PmModel pm = random_model(random, {.lobes = 1, .variates = 1});
     const TexelMap map = random_map(random, {.lobes = 2}, 3, 2);
-    const Arguments surfaces{"mtlx", "standard-surface", "gltf", "glb", "usd", "principled"},
-        kinds = destinations(folder);
+    const Arguments surfaces{"mtlx", "standard-surface", "gltf", "glb", "usd", "principled"};
+    Arguments kinds = destinations(folder);
+    std::erase(kinds, "dds");  // which is made of an environment
     ASSERT_GE(kinds.size(), 12u);
     fs::create_directory(folder / "clean");
     std::set<std::string> tried;

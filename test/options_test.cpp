@@ -62,7 +62,7 @@ const std::map<std::string, std::string> k_argument = [] {
                "--objective cosine --max-theta 70 --discretise light --directions 9 --interpolation 2 "
                "--with-index cube --band Solar --channels spectral --target-delta-e 50 --preview x.png --json "
                "x.json --pairs p.csv --masks w.npy --width 1 --effort 0.5 --seed 1 --threads "
-               "1 --rgb-alone --columns wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value --quantity "
+               "1 --rgb-alone --basis 2 --columns wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value --quantity "
                "factor --floor 0.32 --renderer raster --mesh knot --up z --size 8x8 --aov --compare m.binary "
                "--env e.hdr --lights behind --spp 1 --bounces 1 --draw cosine --scene room --no-ground "
                "--no-occlusion --to hlsl --with sampling --coefficients byte --terms 2 --reference m.binary "

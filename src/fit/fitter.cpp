@@ -24,6 +24,7 @@
 #include "observe/observations.h"
 #include "observe/pair_weights.h"
 #include "samples/fit_pm_to_samples.h"
+#include "samples/folds.h"
 #include "samples/observe_samples.h"
 #include "srbf/fit.h"
 
@@ -275,6 +276,7 @@ struct Fitter::State {
                               const ProgressToken& progress) {
         if (std::holds_alternative<SuRequest>(request.model))
             return fit_to_samples(samples, nullptr, request, progress);
+        if (const auto fold = assign_folds(samples, request.theta(), request.seed); !fold) return fold.error();
         const auto observations = observed_samples(request, progress.part(0, k_samples_observed));
         if (!observations) return observations.error();
         return fit_to_samples(samples, *observations, request, progress.part(k_samples_observed, 1));

@@ -1,7 +1,5 @@
 #include "srbf/convert.h"
 
-#include <array>
-
 #include "any/table_file.h"
 #include "app/commands.h"
 #include "app/fit_options.h"

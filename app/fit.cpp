@@ -1,6 +1,5 @@
 #include "app/fit.h"
 #include "app/commands.h"
-#include "app/image.h"
 #include "base/files.h"
 #include "base/printable.h"
 #include "brdf/values.h"

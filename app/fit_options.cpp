@@ -1,7 +1,5 @@
 #include "app/fit_options.h"
 
-#include <algorithm>
-
 #include "base/paths.h"
 #include "base/text.h"
 #include "measured/readers.h"

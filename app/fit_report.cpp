@@ -1,4 +1,3 @@
-#include <cmath>
 #include <thread>
 
 #include "app/fit.h"

@@ -1,10 +1,5 @@
 #include "app/hash.h"
 
-#include <algorithm>
-#include <array>
-#include <bit>
-#include <cstring>
-
 #include "base/files.h"
 #include "srbf/file.h"
 

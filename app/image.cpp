@@ -1,7 +1,5 @@
 #include "app/image.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>

@@ -1,6 +1,5 @@
 #include <fmt/ranges.h>
 
-#include <cmath>
 #include <memory>
 
 #include "any/table_file.h"

@@ -1,9 +1,5 @@
 // Loading any BRDF from a file.
 #pragma once
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "srbf/load.h"
 #include "srbf/map.h"
 

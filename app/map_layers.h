@@ -1,9 +1,5 @@
 // The coefficients of maps (srbf/map.h) as textures.
 #pragma once
-#include <cstddef>
-#include <string>
-#include <vector>
-
 #include "srbf/map.h"
 
 namespace srbf {

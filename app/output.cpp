@@ -9,7 +9,6 @@
 #include "base/printable.h"
 #include "base/system_files.h"
 #include "base/text.h"
-#include "errors/measures.h"
 #include "errors/picture_errors.h"
 #include "srbf/file.h"
 

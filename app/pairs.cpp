@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "base/files.h"
 #include "base/text.h"
 #include "srbf/file.h"
 

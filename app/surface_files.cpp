@@ -1,7 +1,5 @@
 #include "app/surface_files.h"
 
-#include <fmt/format.h>
-
 #include <nlohmann/json.hpp>
 
 #include "app/html.h"

@@ -3,8 +3,6 @@
 #pragma once
 #include <pybind11/numpy.h>
 
-#include <cmath>
-
 #include "background.h"
 #include "base/parallel.h"
 #include "base/printable.h"

@@ -1,10 +1,5 @@
 // Light that walks between facets of a dielectric interface and a material below it.
 #pragma once
-#include <cmath>
-#include <numbers>
-#include <random>
-#include <vector>
-
 #include "brdf/directions.h"
 #include "brdf/values.h"
 #include "srbf/kernel.h"

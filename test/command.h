@@ -2,14 +2,10 @@
 #pragma once
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <iterator>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 
 #include "measured_files.h"
 #include "program.h"
@@ -53,20 +49,9 @@ inline std::map<std::string, Arguments> long_options(const TemporaryFolder& fold
 /// True if the program has all extras that the command line needs: subcommands, kinds of `srbf export`, and functions
 /// of its code.
 inline bool is_offered(const Arguments& arguments) {
-    static const std::set<std::string> extras{"render",
-                                              "map",
-                                              "report",
-                                              "html",
-                                              "exr",
-                                              "dds",
-                                              "three",
-                                              "area",
-                                              "environment",
-                                              "environment-draws",
-                                              "three-webgpu",
-                                              "unity",
-                                              "blender",
-                                              "osl"};
+    static const std::set<std::string> extras{"render",       "map",   "report",  "html",        "exr",
+                                              "dds",          "three", "area",    "environment", "environment-draws",
+                                              "three-webgpu", "unity", "blender", "osl"};
     static const std::set<std::string> offered = [] {
         std::string text = run(TemporaryFolder(), {"completion", "bash"}).out;
         std::ranges::replace(text, '\'', ' ');

@@ -2,8 +2,6 @@
 #pragma once
 #include <gtest/gtest.h>
 
-#include <optional>
-
 #include "extras/render/offscreen.h"
 
 namespace srbf {

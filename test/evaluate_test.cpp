@@ -1,6 +1,5 @@
 // Models on arrays of pairs, and prepared for single ones, against kernel.glsl in double, for each instruction set of
 // this machine.
-#include <algorithm>
 
 #include "brdf/colour.h"
 #include "models.h"

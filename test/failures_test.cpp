@@ -5,7 +5,6 @@
 #include <sys/syscall.h>
 
 #include <chrono>
-#include <set>
 #include <thread>
 
 #include "app/hash.h"

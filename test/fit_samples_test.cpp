@@ -2,7 +2,6 @@
 #include "errors/measures.h"
 #include "samples/gap_filled_samples.h"
 
-#include <functional>
 #include <set>
 
 #include "brdf/colour.h"

@@ -1,7 +1,6 @@
 // Fits with measured errors in one call: results, cancellation, errors.
 #include "srbf/fit.h"
 
-#include <algorithm>
 #include <set>
 #include <thread>
 

@@ -6,10 +6,7 @@
 #include <atomic>
 #include <bit>
 #include <cfenv>
-#include <cstring>
-#include <filesystem>
 #include <limits>
-#include <thread>
 
 #include "measured/tables.h"
 #include "models.h"

@@ -2,8 +2,6 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
-#include <cstdio>
-
 #include "app/map_layers.h"
 #include "measured_files.h"
 #include "models.h"

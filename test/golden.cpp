@@ -4,17 +4,11 @@
 // processor. DATA is the folder of the bundled measurements. --older runs with the processor's older instruction
 // sets, with some rows or, with --every, all of them. --write replaces the table, for changes that intentionally
 // change fits. This is a separate program so that it runs wherever the library does.
-#include <algorithm>
 #include <cinttypes>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
-#include <map>
-#include <memory>
-#include <random>
 #include <sstream>
-#include <string>
-#include <vector>
 
 #include "brdf/directions.h"
 #include "errors/measures.h"

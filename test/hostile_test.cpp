@@ -2,9 +2,6 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 
-#include <set>
-#include <sstream>
-
 #include "base/printable.h"
 #include "base/text.h"
 #include "command.h"

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 
 #include "app/image.h"
 #include "errors/sphere.h"

@@ -1,12 +1,9 @@
 // Small files of the measured formats, made in memory, and reference values for real ones.
 #pragma once
 #include <algorithm>
-#include <array>
 #include <fstream>
 #include <functional>
 #include <sstream>
-#include <string_view>
-#include <vector>
 
 #include "measured/formats/tensor_file.h"
 #include "properties.h"

@@ -1,6 +1,5 @@
 // Fits of noisy measurements: the noise is found, and does not bias them.
 #include <bit>
-#include <random>
 
 #include "errors/picture_errors.h"
 #include "fit/noise.h"

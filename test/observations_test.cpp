@@ -1,5 +1,4 @@
 // What a fit sees of a BRDF.
-#include <algorithm>
 #include <map>
 
 #include "errors/sphere.h"

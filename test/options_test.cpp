@@ -1,8 +1,5 @@
 // Every option of every subcommand changes the output or is rejected. No option is accepted that the chosen mode does
 // not read.
-#include <map>
-#include <set>
-#include <sstream>
 
 #include "command.h"
 #include "measured/formats.h"

@@ -2,9 +2,6 @@
 // machine.
 #include "srbf/prepared.h"
 
-#include <algorithm>
-#include <filesystem>
-#include <optional>
 #if defined(__SSE__)
 #include <xmmintrin.h>
 #endif

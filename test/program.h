@@ -5,7 +5,6 @@
 #include <spawn.h>
 #include <sys/wait.h>
 
-#include <string>
 #include <vector>
 
 #include "temporary_folder.h"

@@ -2,11 +2,8 @@
 #pragma once
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <random>
-#include <string>
 
 #include "brdf/directions.h"
 #include "srbf/vec.h"

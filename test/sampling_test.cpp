@@ -2,7 +2,6 @@
 #include "srbf/sampling.h"
 #include "sampling/mixture.h"
 
-#include <algorithm>
 #include <map>
 
 #include "models.h"

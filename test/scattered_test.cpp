@@ -1,5 +1,4 @@
 // Scattered samples and the text formats that store them.
-#include <fmt/format.h>
 
 #include <map>
 

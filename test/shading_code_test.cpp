@@ -2,7 +2,6 @@
 #include "srbf/shading_code.h"
 
 #include <cstdlib>
-#include <map>
 
 #include "brdf/directions.h"
 #include "compiled_code.h"
@@ -308,7 +307,6 @@ std::string map_code_in(CodeLanguage language) {
 /// vector library.
 TEST_F(ShadingCode, RunsAsMetal) {
     written("metal_stdlib", R"(#pragma once
-#include <cmath>
 #define constant static const
 namespace metal {
 struct float3 {

@@ -1,6 +1,5 @@
 // BRDFs that tests of pictures draw.
 #pragma once
-#include <cmath>
 #include <limits>
 
 #include "srbf/vec.h"

@@ -1,9 +1,7 @@
 // Chi-square tests of samplers of directions.
 #pragma once
 #include <algorithm>
-#include <cmath>
 #include <functional>
-#include <limits>
 #include <span>
 #include <vector>
 

@@ -3,9 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <numeric>
-
 #include "base/half.h"
 #include "models/su/su_functions.h"
 #include "srbf/kernel.h"

@@ -1,5 +1,4 @@
 #include <Eigen/SparseCholesky>
-#include <cmath>
 
 #include "base/errors.h"
 #include "base/least_squares.h"

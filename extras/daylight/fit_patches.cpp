@@ -1,5 +1,4 @@
 // Fits to averages over patches.
-#include <cmath>
 #include <numeric>
 
 #include "base/errors.h"

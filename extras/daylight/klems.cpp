@@ -5,7 +5,6 @@
 #include "brdf/directions.h"
 #include "brdf/parts.h"
 #include "extras/daylight/klems.h"
-#include "measured/tables.h"
 #include "srbf/elementary.h"
 
 namespace SRBF_NAMESPACE {

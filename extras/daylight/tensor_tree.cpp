@@ -8,7 +8,6 @@
 #include "base/text.h"
 #include "brdf/colour.h"
 #include "measured/bytes.h"
-#include "measured/tables.h"
 #include "srbf/elementary.h"
 
 namespace SRBF_NAMESPACE {

@@ -1,7 +1,6 @@
 #include "extras/daylight/tree_beam.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/r_sequence.h"
 #include "brdf/directions.h"

@@ -1,11 +1,7 @@
 #include "srbf/fit_map.h"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
-#include <memory>
 #include <numeric>
-#include <optional>
 
 #include "base/errors.h"
 #include "base/floating_point.h"

@@ -1,9 +1,7 @@
 // NumPy's file format of an array.
 #pragma once
 #include <cstddef>
-#include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "srbf/result.h"

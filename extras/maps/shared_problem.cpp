@@ -1,6 +1,5 @@
 #include "extras/maps/shared_problem.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 

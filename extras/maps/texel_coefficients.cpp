@@ -1,5 +1,4 @@
 // The coefficients of texels in shared lobes.
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>

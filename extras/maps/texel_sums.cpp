@@ -1,8 +1,5 @@
 #include "extras/maps/texel_sums.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
 
 #include "observe/observations.h"

@@ -1,8 +1,5 @@
 // Sums over the pairs of many texels at once, on vectors of the processor: one texel a lane.
 #pragma once
-#include <cstddef>
-#include <span>
-
 #include "base/aligned.h"
 #include "srbf/fit_map.h"
 

@@ -1,6 +1,5 @@
 // Readers of `.ply` and `.obj`. Of the alternatives in Debian, tinyobjloader reads invalid numbers as 0 and has no PLY,
 // and assimp 5.2 writes beyond its buffers for some damaged files of both.
-#include <fmt/format.h>
 
 #include <bit>
 #include <cstring>

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
-
 #include "base/files.h"
 #include "base/paths.h"
 #include "measured/bytes.h"

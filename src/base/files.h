@@ -1,6 +1,5 @@
 // Parts of files, and several files at once.
 #pragma once
-#include <cstddef>
 #include <functional>
 #include <new>
 

@@ -1,7 +1,6 @@
 // Sets of directions, and distributions of pairs of directions.
 #pragma once
 #include <array>
-#include <cmath>
 #include <random>
 #include <span>
 #include <vector>

@@ -2,7 +2,6 @@
 #pragma once
 #include <cmath>
 #include <optional>
-#include <span>
 
 #include "srbf/brdf.h"
 

@@ -1,10 +1,5 @@
 // The interface by which extras add functions to the code of models.
 #pragma once
-#include <functional>
-#include <map>
-#include <string>
-#include <vector>
-
 #include "code/offered_code.h"
 #include "code/syntax.h"
 #include "srbf/prepared.h"

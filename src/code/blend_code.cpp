@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "code/bsdf_code.h"
 #include "code/syntax.h"
 

@@ -1,9 +1,5 @@
 // Shading code of materials that a mask mixes.
 #pragma once
-#include <span>
-#include <string>
-#include <vector>
-
 #include "code/defined_names.h"
 #include "srbf/shading_code.h"
 

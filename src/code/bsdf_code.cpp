@@ -4,7 +4,6 @@
 
 #include "brdf/parts.h"
 #include "code/print.h"
-#include "code/syntax.h"
 #include "models/bsdf/bsdf_functions.h"
 
 namespace SRBF_NAMESPACE {

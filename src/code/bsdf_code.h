@@ -1,8 +1,6 @@
 // Shading code of BSDFs: functions that call those of the parts, and beams.
 #pragma once
 #include <memory>
-#include <string>
-#include <vector>
 
 #include "code/defined_names.h"
 #include "code/syntax.h"

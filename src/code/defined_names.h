@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <map>
-#include <string>
 
 #include "srbf/result.h"
 

@@ -2,7 +2,6 @@
 #pragma once
 #include <set>
 #include <string>
-#include <vector>
 
 #include "srbf/models/pm.h"
 #include "srbf/sampling.h"

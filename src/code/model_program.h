@@ -1,8 +1,5 @@
 // The program that evaluates a model: kernel.glsl with the model's numbers, before it is printed in a language.
 #pragma once
-#include <string>
-#include <vector>
-
 #include "code/added_code.h"
 #include "code/syntax.h"
 #include "srbf/shading_code.h"

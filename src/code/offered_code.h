@@ -1,9 +1,6 @@
 // Languages of code by name, functions and texts that extras add, and models as Python.
 #pragma once
 #include <optional>
-#include <span>
-#include <string>
-#include <string_view>
 
 #include "srbf/shading_code.h"
 

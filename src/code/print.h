@@ -1,10 +1,7 @@
 // Prints the syntax tree in the languages of renderers.
 #pragma once
 #include <initializer_list>
-#include <map>
 #include <set>
-#include <string>
-#include <string_view>
 
 #include "code/syntax.h"
 #include "srbf/shading_code.h"

@@ -1,6 +1,4 @@
 #pragma once
-#include <string>
-
 #include "code/syntax.h"
 
 namespace SRBF_NAMESPACE::syntax {

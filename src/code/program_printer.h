@@ -1,10 +1,6 @@
 // Prints the programs of several models as one text.
 #pragma once
-#include <map>
 #include <set>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "code/defined_names.h"
 #include "code/syntax.h"

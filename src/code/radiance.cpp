@@ -1,9 +1,7 @@
 // Models as functions of Radiance's expression language, `.cal`.
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <string>
 
 #include "brdf/parts.h"
 #include "code/defined_names.h"

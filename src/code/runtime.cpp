@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <set>
 
 #include "brdf/colour.h"
 #include "code/lanes_code.h"

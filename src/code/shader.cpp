@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cassert>
 #include <concepts>
-#include <type_traits>
 
 #include "base/half.h"
 #include "brdf/parts.h"

@@ -1,11 +1,7 @@
 #include "srbf/shading_code.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <cctype>
 #include <ranges>
-#include <set>
 
 #include "base/printable.h"
 #include "code/added_code.h"

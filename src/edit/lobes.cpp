@@ -1,7 +1,5 @@
 #include "edit/lobes.h"
 
-#include <cmath>
-
 #include "brdf/directions.h"
 #include "brdf/values.h"
 #include "observe/bound.h"

@@ -1,6 +1,4 @@
 #pragma once
-#include <vector>
-
 #include "errors/picture.h"
 
 SRBF_BEGIN

@@ -1,6 +1,5 @@
 // The colour space of ΔE_ITP, a difference of colours (ITU-R BT.2100 and BT.2124).
 #pragma once
-#include <algorithm>
 #include <array>
 
 #include "srbf/elementary.h"

@@ -1,5 +1,3 @@
-#include <algorithm>
-#include <cmath>
 
 #include "brdf/values.h"
 #include "errors/sphere.h"

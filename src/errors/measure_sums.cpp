@@ -9,7 +9,6 @@
 #include <hwy/foreach_target.h>
 
 #include "brdf/batch-inl.h"
-#include "errors/measures.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace SRBF_NAMESPACE {

@@ -1,6 +1,5 @@
 // The sums of error measures over blocks of pairs of directions: SIMD, with values in float and sums in double.
 #pragma once
-#include <array>
 #include <cstddef>
 
 #include "errors/measures.h"

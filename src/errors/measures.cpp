@@ -1,8 +1,6 @@
 #include "errors/measures.h"
 
-#include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <limits>
 
 #include "base/parallel.h"

@@ -1,7 +1,6 @@
 // Measures over pairs of directions and over samples.
 #pragma once
 #include <array>
-#include <cstdint>
 
 #include "srbf/metrics.h"
 

@@ -1,6 +1,5 @@
 #include "errors/picture.h"
 
-#include <algorithm>
 #include <limits>
 
 namespace SRBF_NAMESPACE {

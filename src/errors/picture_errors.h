@@ -2,10 +2,7 @@
 #pragma once
 #include <array>
 #include <cstddef>
-#include <span>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "srbf/metrics.h"
 

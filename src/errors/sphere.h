@@ -1,9 +1,5 @@
 // Pictures of a sphere, and their errors.
 #pragma once
-#include <span>
-#include <string_view>
-#include <vector>
-
 #include "errors/picture.h"
 #include "errors/picture_errors.h"
 

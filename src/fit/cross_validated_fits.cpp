@@ -1,6 +1,5 @@
 #include "fit/cross_validated_fits.h"
 
-#include <array>
 #include <atomic>
 
 #include "base/errors.h"

@@ -1,6 +1,5 @@
 // All stages of `srbf fit` between reading a measurement and writing a model.
 
-#include <map>
 #include <tuple>
 
 #include "base/errors.h"

@@ -1,9 +1,5 @@
 #include "fit/noise.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "base/errors.h"

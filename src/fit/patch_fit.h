@@ -1,7 +1,5 @@
 // Fits of tables whose entries are averages over patches.
 #pragma once
-#include <string_view>
-
 #include "srbf/fit.h"
 
 SRBF_BEGIN

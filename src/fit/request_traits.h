@@ -1,6 +1,5 @@
 // Properties of the requests of fits, and of their outcomes.
 #pragma once
-#include <array>
 #include <type_traits>
 
 #include "srbf/fit.h"

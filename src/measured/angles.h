@@ -1,7 +1,6 @@
 // Angles of vectors by polynomials: the C library's arc functions would take half the time of a look-up in a table.
 #pragma once
 #include <algorithm>
-#include <cmath>
 
 #include "srbf/elementary.h"
 #include "srbf/vec.h"

@@ -1,9 +1,7 @@
 // Numbers in bytes, and what the readers and the writers of binary formats share.
 #pragma once
 #include <array>
-#include <bit>
 #include <cstddef>
-#include <cstdint>
 #include <cstring>
 #include <limits>
 #include <span>

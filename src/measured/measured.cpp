@@ -1,10 +1,8 @@
 #include "measured/formats.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <cassert>
-#include <cmath>
 
 #include "base/errors.h"
 #include "base/floating_point.h"

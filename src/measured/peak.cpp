@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
-
 #include "base/floating_point.h"
 #include "brdf/directions.h"
 #include "measured/angles.h"

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <vector>
 
 #include "base/text.h"
 #include "brdf/colour.h"

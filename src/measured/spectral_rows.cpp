@@ -1,9 +1,6 @@
 #include "measured/samples.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <bit>
 
 #include "brdf/directions.h"
 #include "measured/bytes.h"

@@ -1,6 +1,5 @@
 // Values of the tables of each format, and what a format alone knows of its table.
 #pragma once
-#include <functional>
 #include <optional>
 
 #include "srbf/brdf.h"

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "base/floating_point.h"
 #include "base/half.h"
 #include "base/safetensors.h"

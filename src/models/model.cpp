@@ -1,6 +1,5 @@
 #include "srbf/model.h"
 
-#include <algorithm>
 #include <type_traits>
 
 #include "base/errors.h"

@@ -1,11 +1,6 @@
 // Files of models and maps have these in common.
 #pragma once
-#include <cstddef>
 #include <cstdint>
-#include <span>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "srbf/map.h"
 

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "brdf/directions.h"
 #include "srbf/elementary.h"
 

@@ -1,8 +1,5 @@
 // Observations of a measurement, which a fit matches.
 #pragma once
-#include <algorithm>
-#include <array>
-#include <cstdint>
 #include <random>
 
 #include "brdf/values.h"

@@ -1,10 +1,7 @@
 #include "observe/pair_weights.h"
 
-#include <algorithm>
-
 #include "base/parallel.h"
 #include "base/weighted_quantile.h"
-#include "srbf/elementary.h"
 
 namespace SRBF_NAMESPACE {
 

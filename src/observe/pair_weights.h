@@ -1,8 +1,5 @@
 // Weights of pairs, which define the objectives.
 #pragma once
-#include <optional>
-#include <span>
-
 #include "observe/observations.h"
 #include "srbf/elementary.h"
 #include "srbf/metrics.h"

@@ -1,8 +1,5 @@
 #include "samples/facets.h"
 
-#include <Eigen/Dense>
-#include <algorithm>
-#include <array>
 #include <limits>
 
 #include "base/least_squares.h"

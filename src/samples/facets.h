@@ -1,6 +1,5 @@
 // A microfacet model with a free distribution of normals, fitted to scattered samples.
 #pragma once
-#include <array>
 #include <vector>
 
 #include "observe/observations.h"

@@ -2,12 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <map>
-#include <numeric>
-#include <random>
 
 #include "base/k_d_tree.h"
 #include "brdf/directions.h"

@@ -1,9 +1,5 @@
 // Groups of close samples, and folds of them for cross-validation.
 #pragma once
-#include <cstdint>
-#include <span>
-#include <vector>
-
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/result.h"

@@ -1,10 +1,6 @@
 #include "samples/gap_filled_samples.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
-#include <span>
 
 #include "base/errors.h"
 #include "measured/samples.h"

@@ -1,7 +1,5 @@
 // Scattered samples with gaps filled.
 #pragma once
-#include <vector>
-
 #include "srbf/measured.h"
 #include "srbf/models/ggx.h"
 #include "srbf/result.h"

@@ -1,9 +1,6 @@
 #include "samples/observe_samples.h"
 
 #include <algorithm>
-#include <array>
-#include <functional>
-#include <set>
 
 #include "base/errors.h"
 #include "base/floating_point.h"

@@ -1,8 +1,6 @@
 // The numbers of mixtures.
 #pragma once
-#include <array>
 #include <cstddef>
-#include <vector>
 
 #include "srbf/kernel.h"
 #include "srbf/sampling.h"

@@ -1,11 +1,7 @@
 // The search for the numbers of a mixture that samples a BRDF.
-#include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <limits>
 #include <map>
-#include <optional>
-#include <span>
 
 #include "base/parallel.h"
 #include "sampling/mixture.h"

@@ -1,8 +1,5 @@
 #include "srbf/sampling.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "sampling/mixture.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"

@@ -2,8 +2,6 @@
 // determine its weights, with points in the lanes.
 #include <algorithm>
 #include <cassert>
-#include <cmath>
-#include <cstddef>
 #include <cstring>
 
 #include "sampling/elevation_nodes.h"

@@ -1,8 +1,5 @@
 #include "sampling/sampling_points.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "sampling/mixture.h"
 #include "srbf/kernel.h"
 

@@ -1,10 +1,5 @@
 // The points that determine a mixture's weights.
 #pragma once
-#include <array>
-#include <cstddef>
-#include <span>
-#include <vector>
-
 #include "base/aligned.h"
 #include "srbf/sampling.h"
 

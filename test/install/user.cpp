@@ -1,6 +1,5 @@
 // Uses part of every header: reads the named measurement, tabulates it, fits it and saves the fit.
 #include <cstdio>
-#include <numeric>
 
 #include "srbf/convert.h"
 #include "srbf/fit.h"

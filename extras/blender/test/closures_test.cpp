@@ -1,10 +1,6 @@
 // Sums of closures: their formula and their fit.
 #include "extras/blender/closures.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "errors/picture_errors.h"
 #include "extras/blender/closure_terms.h"
 #include "properties.h"

@@ -1,8 +1,6 @@
 // Adds to `srbf export` environments that are filtered for its code.
 #include "app/export.h"
 
-#include <fmt/format.h>
-
 #include <cstdio>
 
 #include "app/commands.h"

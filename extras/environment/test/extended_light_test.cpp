@@ -1,10 +1,6 @@
 // Lobes that environments and area lights are looked up by.
 #include "srbf/extended_light.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "brdf/directions.h"
 #include "models.h"
 #include "properties.h"

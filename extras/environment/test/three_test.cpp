@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <sys/wait.h>
 
-#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
@@ -289,9 +288,9 @@ constexpr std::size_t k_first_constant = 6;
 /// Scenes of the maps, then pairs of the constant map and its material alone.
 std::vector<MapScene> map_scenes() {
     std::vector<MapScene> scenes{
-        map_scene("map", "MapMaterial", 48, 0),     map_scene("map", "MapMaterial", 48, 0),
-        map_scene("fine", "FineMaterial", 8, 2),    map_scene("fine", "FineMaterial", 12, std::log2(32. / 12)),
-        map_scene("bytes", "FineMaterial", 32, 0),  map_scene("bytes", "FineMaterial", 8, 2)};
+        map_scene("map", "MapMaterial", 48, 0),    map_scene("map", "MapMaterial", 48, 0),
+        map_scene("fine", "FineMaterial", 8, 2),   map_scene("fine", "FineMaterial", 12, std::log2(32. / 12)),
+        map_scene("bytes", "FineMaterial", 32, 0), map_scene("bytes", "FineMaterial", 8, 2)};
     const Json oblique{{"eye", {k_eye.x, k_eye.y, k_eye.z}}, {"fov", k_fov / k_degree}};
     for (const std::size_t i : {0, 1}) scenes[i].json.update(oblique);
     scenes[1].repeat = {2, 3}, scenes[1].offset = {0.1, 0.2}, scenes[1].rotation = 0.5;
@@ -328,11 +327,10 @@ void write_maps(const TemporaryFolder& folder, const TexelMap& map, const TexelM
         std::string text = module_of_fine;
         write(folder / (name + ".js"), text.replace(text.find("fine.ktx2"), 4, name));
     }
-    for (const auto& [name, of, numbers] :
-         {std::tuple("map", &map, LayerNumbers::halves),
-          {"fine", &fine, LayerNumbers::halves},
-          {"bytes", &fine, LayerNumbers::bytes},
-          {"constant", &constant, LayerNumbers::halves}})
+    for (const auto& [name, of, numbers] : {std::tuple("map", &map, LayerNumbers::halves),
+                                            {"fine", &fine, LayerNumbers::halves},
+                                            {"bytes", &fine, LayerNumbers::bytes},
+                                            {"constant", &constant, LayerNumbers::halves}})
         ASSERT_TRUE(write_file((folder / fmt::format("{}.ktx2", name)).string(), map_ktx2(*of, numbers)));
 }
 

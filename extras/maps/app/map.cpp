@@ -1,11 +1,8 @@
 // `srbf map`: texels that share their lobes.
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
-#include <utility>
 
 #include "app/commands.h"
 #include "app/extra_subcommands.h"

@@ -1,11 +1,6 @@
 #include "extras/maps/app/texels.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <limits>
 
 #include "brdf/directions.h"
 #include "brdf/values.h"

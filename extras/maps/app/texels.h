@@ -1,11 +1,5 @@
 // Files of texels.
 #pragma once
-#include <cstdint>
-#include <span>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "base/files.h"
 #include "srbf/fit_map.h"
 #include "srbf/result.h"

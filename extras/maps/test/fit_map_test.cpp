@@ -1,11 +1,6 @@
 // Maps of texels that share their lobes: their file, and their fits.
 #include "srbf/fit_map.h"
 
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <random>
-
 #include "base/half.h"
 #include "brdf/directions.h"
 #include "models/model_files.h"

@@ -1,8 +1,5 @@
 // `srbf map`, and its files.
 #include <fmt/format.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
 
 #include "extras/maps/npy.h"
 #include "extras/maps/test/texel_values.h"

@@ -1,9 +1,6 @@
 // Coefficients of texels in a basis: the solver, and texels that were measured badly.
-#include <gtest/gtest.h>
 
 #include <limits>
-#include <memory>
-#include <random>
 
 #include "base/half.h"
 #include "brdf/directions.h"

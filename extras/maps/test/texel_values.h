@@ -1,9 +1,6 @@
 // Texels that were measured at the same pairs of directions.
 #pragma once
 #include <algorithm>
-#include <cmath>
-#include <random>
-#include <vector>
 
 #include "brdf/directions.h"
 #include "properties.h"

@@ -1,8 +1,6 @@
 // Environment maps: their files, and importance sampling.
 #include "extras/render/environment.h"
 
-#include <cstring>
-
 #include "extras/render/exr.h"
 #include "properties.h"
 #include "srbf/file.h"

@@ -3,10 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <bit>
-#include <functional>
-#include <map>
-
 #include "../fuzz/targets.h"
 #include "properties.h"
 #include "srbf/file.h"

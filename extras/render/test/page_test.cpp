@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <sys/wait.h>
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <unordered_set>

@@ -1,13 +1,8 @@
 // `srbf report`: all numbers on its pages are in its tables, and completed materials are skipped.
-#include <fmt/format.h>
 #include <signal.h>
 
 #include <chrono>
-#include <cmath>
-#include <memory>
-#include <nlohmann/json.hpp>
 #include <regex>
-#include <set>
 #include <thread>
 
 #include "base/text.h"

@@ -2,7 +2,6 @@
 #pragma once
 #include <span>
 #include <string_view>
-#include <vector>
 
 #include "measured/samples.h"
 

@@ -1,5 +1,4 @@
 // Reads rows of numbers in named columns: CSV, text of spreadsheets and instruments, and the option --columns.
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>

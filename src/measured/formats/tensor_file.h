@@ -7,7 +7,6 @@
 #pragma once
 #include <fmt/ranges.h>
 
-#include <array>
 #include <map>
 
 #include "measured/bytes.h"

@@ -1,5 +1,4 @@
 // BSDFs: models of the parts, and beams.
-#include <fmt/format.h>
 
 #include "base/errors.h"
 #include "base/half.h"

@@ -1,8 +1,3 @@
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
-#include <optional>
 
 #include "base/errors.h"
 #include "base/half.h"

@@ -1,9 +1,6 @@
 // The parameters of a model by name.
 #pragma once
-#include <cstddef>
 #include <functional>
-#include <map>
-#include <vector>
 
 #include "srbf/model.h"
 #include "srbf/result.h"

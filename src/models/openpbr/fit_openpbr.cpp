@@ -1,4 +1,3 @@
-#include <cmath>
 
 #include "base/errors.h"
 #include "base/levenberg_marquardt.h"

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <cassert>
-#include <cmath>
 
 #include "base/floating_point.h"
 #include "base/half.h"

@@ -1,14 +1,9 @@
-#include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
-#include <random>
 
+#include "models/su/fit_su.h"
 #include "base/errors.h"
 #include "base/parallel.h"
 #include "base/reporter.h"
-#include "models/su/fit_su.h"
 #include "models/su/fit_view.h"
 #include "models/su/sampled_views.h"
 #include "models/su/su_functions.h"

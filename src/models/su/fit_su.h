@@ -1,6 +1,4 @@
 #pragma once
-#include <cstdint>
-
 #include "observe/raw_matrix.h"
 #include "srbf/metrics.h"
 #include "srbf/models/su.h"

@@ -1,8 +1,5 @@
 #include "models/su/fit_view.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "brdf/directions.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"

@@ -1,7 +1,5 @@
 #include "models/su/sampled_views.h"
 
-#include <algorithm>
-#include <cmath>
 #include <tuple>
 
 #include "base/parallel.h"

@@ -1,7 +1,5 @@
 #include "srbf/models/su.h"
 
-#include <algorithm>
-
 #include "base/parallel.h"
 #include "brdf/directions.h"
 #include "models/su/su_functions.h"

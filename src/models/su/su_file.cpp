@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/half.h"
 #include "brdf/directions.h"
 #include "brdf/values.h"

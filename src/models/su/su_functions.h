@@ -2,10 +2,8 @@
 // and the names of what they choose from.
 #pragma once
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <string_view>
-#include <vector>
 
 #include "srbf/models/su.h"
 

@@ -1,6 +1,5 @@
 #pragma once
 #include <string>
-#include <string_view>
 
 #include "models/kind/kind.h"
 #include "models/su/su_functions.h"

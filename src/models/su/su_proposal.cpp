@@ -3,7 +3,6 @@
 #include <cassert>
 #include <cmath>
 #include <numeric>
-#include <span>
 
 #include "base/floating_point.h"
 #include "models/su/neighbours.h"

@@ -1,5 +1,4 @@
 // Describes a view-by-view model to programs and people.
-#include <fmt/format.h>
 
 #include <algorithm>
 

@@ -1,6 +1,5 @@
 #include "models/su/view_lobes.h"
 
-#include <cmath>
 #include <limits>
 
 #undef HWY_TARGET_INCLUDE

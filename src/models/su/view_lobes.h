@@ -1,7 +1,6 @@
 // The inner loops of the view-by-view fit: Gaussian lobes and their derivatives on the directions of one view.
 #pragma once
 #include <array>
-#include <span>
 
 #include "base/aligned.h"
 #include "models/pm/solve/columns.h"

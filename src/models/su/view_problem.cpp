@@ -1,11 +1,8 @@
 #include "models/su/view_problem.h"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "base/half.h"
-#include "brdf/directions.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
 

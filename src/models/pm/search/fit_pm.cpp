@@ -1,9 +1,8 @@
-#include <cmath>
 
+#include "models/pm/search/fit_pm.h"
 #include "base/errors.h"
 #include "base/levenberg_marquardt.h"
 #include "base/parallel.h"
-#include "models/pm/search/fit_pm.h"
 #include "models/pm/search/search.h"
 #include "models/pm/search/subsets.h"
 #include "models/pm/solve/rounding.h"

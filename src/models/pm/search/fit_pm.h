@@ -1,6 +1,5 @@
 // The fit of a multivariate model to observations.
 #pragma once
-#include <algorithm>
 #include <cmath>
 
 #include "models/kind/kind.h"

@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "models/pm/solve/columns.h"
-#include "models/pm/solve/rows.h"
 #include "srbf/elementary.h"
 
 namespace SRBF_NAMESPACE {

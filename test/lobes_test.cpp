@@ -106,17 +106,6 @@ TEST(Lobes, GradientMatchesTheLoss) {
     }
 }
 
-// A lobe whose peak no pair reaches has no larger coefficient than a 16-bit float.
-TEST(Lobes, CoefficientsWithoutLogScalesAreBounded) {
-    LobeProblem problem(rows(), {PmForm::gaussian, 3}, false);
-    Lobes lobes = some_lobes();
-    lobes.weight[8] = -40;  // a peak at −z, e⁴⁰ times as high as at the normal
-    problem.loss(pack(lobes));
-    const PmModel model = to_model(problem, lobes);
-    for (const Rgb& beta : model.coefficient) EXPECT_LE(largest_of(beta), double(k_half_max) * (1 + 1e-6));
-    EXPECT_FALSE(has_log_scale(model));
-}
-
 // The loss contains the squared difference of each integral, relative to its luminance.
 TEST(Lobes, LossIncludesAlbedo) {
     const Observations o = observations();

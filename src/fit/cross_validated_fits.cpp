@@ -34,7 +34,7 @@ int most_lobes(const ScatteredSamples& samples, const PmFitOptions& options) {
     int lobes = 1;
     for (const int j : k_tried_lobes)
         if (j <= k_most_sample_lobes &&
-            payload_bytes(options.form, options.axial, has_log_scales(options.form), j, options.variates) <= most)
+            payload_bytes(options.form, options.axial, features(options.form) > 0, j, options.variates) <= most)
             lobes = j;
     return lobes;
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "base/half.h"
 #include "base/least_squares.h"
 #include "models/pm/solve/columns.h"
 #include "srbf/elementary.h"
@@ -61,13 +60,12 @@ Eigen::MatrixXd LobeProblem::products_with_data() {
 
 void LobeProblem::limit_coefficients(const Eigen::VectorXd& x) {
     constexpr double k_largest_exponent = 700;  // of a finite number
-    const double log_limit = has_log_scales(shape_.form) ? k_log_peak_limit : elementary::log(double(k_half_max));
     const Lobes lobes = unpack(x, shape_);
     Eigen::VectorXd limit(basis_.count());
     for (int j = 0; j < limit.size(); ++j) {
         const double log_unit =
             elementary::log(rows_.scale) + log_peak_factor(lobes.weights_of(j), shape_, offset()[std::size_t(j)]);
-        limit[j] = elementary::exp(std::min(log_limit - log_unit, k_largest_exponent));
+        limit[j] = elementary::exp(std::min(k_log_peak_limit - log_unit, k_largest_exponent));
     }
     coefficients_.limit = limit.replicate(1, channels());
 }

@@ -44,7 +44,7 @@ class LobeProblem {
     }
     /// Products of all pairs of lobes and data, (J + C)².
     Eigen::MatrixXd products_with_data();
-    /// Bounds the coefficients of lobes with peak 1, without log scales to 16-bit floats.
+    /// Bounds the coefficients of lobes with peak 1.
     void limit_coefficients(const Eigen::VectorXd& x);
     /// Computes the residuals and returns the loss.
     double loss_with_residuals();

@@ -45,9 +45,6 @@ struct Interval {
 /// The range of weight n of a lobe.
 Interval weight_range(int n, const LobeShape& shape);
 
-/// True if fits of that form store the coefficients of lobes with log scales.
-constexpr bool has_log_scales(PmForm form) { return features(form) > 0; }
-
 /// p_n from the weights of a lobe.
 Vec3d vector_of(std::span<const double> weights, const LobeShape& shape, int n);
 /// Log of the factor that converts β_j in a problem's units to the coefficient of a lobe with peak 1; `offset`:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "base/half.h"
 #include "base/levenberg_marquardt.h"
@@ -96,21 +97,29 @@ struct SecondOrder {
 }  // namespace
 
 PmModel to_model(const LobeProblem& problem, const Lobes& lobes, const std::vector<float>& wavelengths) {
+    constexpr double k_unused = 1e-30;
     PmModel model = without_coefficients(lobes);
+    std::vector<double> largest, log_peak;  // of all channels; −∞: the lobe is not used
     for (int j = 0; j < model.lobes; ++j) {
-        const double largest = problem.beta().row(j).maxCoeff();  // of all channels
-        double scale = 0, factor = 0;
-        if (largest > 1e-30) {
-            const double log_peak = elementary::log(largest) + elementary::log(problem.scale()) +
-                                    log_peak_factor(lobes.weights_of(j), lobes.shape, problem.offset()[std::size_t(j)]);
-            if (has_log_scales(lobes.shape.form)) scale = double(round_to_half(float(log_peak)));
-            // β / largest × e^(log peak − scale): neither factor overflows.
-            factor = elementary::exp(std::min(log_peak - scale, 80.0)) / largest;
-        }
-        const auto coefficient = [&](Eigen::Index c) { return float(problem.beta()(j, c) * factor); };
-        if (wavelengths.empty()) model.coefficient[std::size_t(j)] = {coefficient(0), coefficient(1), coefficient(2)};
+        largest.push_back(problem.beta().row(j).maxCoeff());
+        log_peak.push_back(elementary::log(largest.back()) + elementary::log(problem.scale()) +
+                           log_peak_factor(lobes.weights_of(j), lobes.shape, problem.offset()[std::size_t(j)]));
+    }
+    const auto is_beyond_halves = [&](std::size_t j) {
+        return largest[j] > k_unused && (log_peak[j] > elementary::log(double(k_half_max)) ||
+                                         log_peak[j] < elementary::log(double(k_half_min)) + 3);
+    };
+    const bool has_log_scale = features(lobes.shape.form) > 0 ||
+                               std::ranges::any_of(std::views::iota(std::size_t(0), largest.size()), is_beyond_halves);
+    for (std::size_t j = 0; j < largest.size(); ++j) {
+        const bool is_used = largest[j] > k_unused;
+        const double scale = has_log_scale && is_used ? double(round_to_half(float(log_peak[j]))) : 0;
+        // β / largest × e^(log peak − scale): neither factor overflows.
+        const double factor = is_used ? elementary::exp(std::min(log_peak[j] - scale, 80.0)) / largest[j] : 0;
+        const auto coefficient = [&](Eigen::Index c) { return float(problem.beta()(Eigen::Index(j), c) * factor); };
+        if (wavelengths.empty()) model.coefficient[j] = {coefficient(0), coefficient(1), coefficient(2)};
         for (std::size_t c = 0; c < wavelengths.size(); ++c) model.spectrum.push_back(coefficient(Eigen::Index(c)));
-        model.log_scale[std::size_t(j)] = float(scale);
+        model.log_scale[j] = float(scale);
     }
     if (!wavelengths.empty()) model.coefficient = colours(model.spectrum, wavelengths);
     model.wavelength = wavelengths;

@@ -8,8 +8,9 @@ namespace SRBF_NAMESPACE {
 /// the larger one may be any of the 1024 halves of a binade. The error is below 3e-5; plain rounding has 3e-4.
 Parameterization rounded_direction(double angle);
 
-/// The model of these lobes with the coefficients of the problem's last call of `loss`. Lobes have log scales
-/// in all forms but gaussian. `wavelengths` are those of the problem's channels; if empty, the channels are R, G, B.
+/// The model of these lobes with the coefficients of the problem's last call of `loss`. Lobes of form
+/// gaussian have log scales if the coefficient of one leaves the normal range of 16-bit floats. `wavelengths` are those
+/// of the problem's channels; if empty, the channels are R, G, B.
 PmModel to_model(const LobeProblem& problem, const Lobes& lobes, const std::vector<float>& wavelengths = {});
 
 /// Rounds every number of `model`, whose lobes are `lobes`, to a 16-bit float.

@@ -13,6 +13,23 @@ fitted_to_pictures.py models of several sizes. For two published models the auth
 --tables FOLDER    tables of MERL's layout: of RGL's files rows of their principal components, by principal_components.py
 
 convert_networks.py converts the authors' files to these.
+
+All steps. Capitals stand for folders. `merl_nbrdf` and `rgl-isotropic_nbrdf` are archives of https://github.com/asztr/Neural-BRDF, and `NPs-BRDF`
+is the repository https://github.com/Rendering-at-ZJU/NPs-BRDF. With pip's NumPy 2 install the Python package by `pip install .` instead:
+
+    sudo apt-get install pybind11-dev python3-dev python3-numpy
+    ./run build && cmake --preset release && cmake --build --preset release --target srbf_python
+    mkdir OTHERS NETWORKS RGL-NETWORKS tables MERL35 NPS
+    python3 paper/convert_networks.py nbrdf merl_nbrdf/*.h5 rgl-isotropic_nbrdf/*.h5 OTHERS        # all 151 networks of NBRDF's authors
+    python3 paper/convert_networks.py nps NPs-BRDF NPS                                             # decoder and numbers of the neural process
+    for name in $(cut -d, -f1 docs/comparison.csv | sed 1d | sort -u); do mv OTHERS/$name.txt NETWORKS; done
+    for file in RGL/*_rgb.bsdf; do mv NETWORKS/$(basename $file _rgb.bsdf).txt RGL-NETWORKS; done  # 49 stay in NETWORKS, and 97 in OTHERS
+    /usr/bin/python3 paper/stand_ins.py NETWORKS tables
+    for file in merl_nbrdf/*.h5; do cp tables/$(basename $file .h5).binary MERL35; done              # those of the 100 that are there: 35
+    PYTHONPATH=build/release/python /usr/bin/python3 paper/rivals.py RGL/*.bsdf tables/*.binary --networks RGL-NETWORKS --codes NPS --tables MERL35 > rows.csv
+    cp rows.csv docs/comparison.csv && python3 paper/comparison.py                          # the tables and the plot of this page
+    /usr/bin/python3 paper/stand_ins.py OTHERS OTHER-TABLES && ./run leaderboard OTHER-TABLES
+    cut -d, -f2,3,6,8-10 build/leaderboard/results.csv > docs/further_tables.csv                   # the 97 others, there in four digits
 """
 import argparse
 import csv

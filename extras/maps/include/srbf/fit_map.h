@@ -32,7 +32,7 @@ struct SharedPairs {
 /// current fit, at least a tenth of the largest, so that the sum of roots falls with the sum.
 ///
 /// Lobes are added in sixteen groups. Each lobe is the one of 256 random ones that would lower the sum most. Then they
-/// follow all terms of the objectives, with directional lights, bounds and pixels. The coefficients of a material
+/// follow all terms of the objectives, with bounds and pixels. The coefficients of a material
 /// minimise all terms of its own objective. The result is a row of the materials, whose `error` is their mean ΔE_ITP
 /// under `standard_lightings`.
 ///

@@ -307,6 +307,7 @@ std::string map_code_in(CodeLanguage language) {
 /// vector library.
 TEST_F(ShadingCode, RunsAsMetal) {
     written("metal_stdlib", R"(#pragma once
+#include <cmath>
 #define constant static const
 namespace metal {
 struct float3 {

@@ -44,7 +44,6 @@ struct ExportedLight {
     }
     static float elevation_coordinate(float cosine) { return srbf::elevation_coordinate(std::clamp(cosine, 0.f, 1.f)); }
     struct Pm {};
-    struct Su {};
     const ExtendedLight& lobes;
     static constexpr int EXTENDED_LOBES = k_most_extended_lobes;  ///< those that `lobes` lacks have weight 0
     static constexpr int EXTENDED_NODES = ExtendedLight::k_views, EXTENDED_LEVELS = ExtendedLight::k_levels;
@@ -83,7 +82,7 @@ struct ExportedLight {
         const Rgb a = albedo(material, cosine);
         return {a.r, a.g, a.b};
     }
-    Vec3 brdf(Su, Vec3 wl, Vec3 wv, Pm) {
+    Vec3 brdf(Vec3 wl, Vec3 wv, Pm) {
         const Rgb f = value(material, {wl.x, wl.y, wl.z}, {wv.x, wv.y, wv.z});
         return {f.r, f.g, f.b};
     }
@@ -344,7 +343,7 @@ Row row_of(const Model& model, const std::vector<Map>& maps, const std::vector<O
                           const auto corner = [&](const Vec3f& add) {
                               return to_float(at.axes.to(to_double(light.corner + add - at.position)));
                           };
-                          const Vec3f c = lights[k_usual].area({}, at.wv, corner({}), corner(light.x),
+                          const Vec3f c = lights[k_usual].area(at.wv, corner({}), corner(light.x),
                                                                corner(light.x + light.y), corner(light.y), {});
                           return Rgb{c.x, c.y, c.z};
                       })));

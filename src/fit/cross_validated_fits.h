@@ -12,8 +12,8 @@ namespace SRBF_NAMESPACE {
 ObserveSamplesOptions observe_options(const FitRequest& request);
 
 /// The requested fit to samples. If the request has no number of lobes, it has the largest number of `k_tried_lobes`
-/// that the samples determine and the budget allows. `observed` holds all samples, for the request's objective; it is
-/// required unless the model is view by view.
+/// that the samples determine. `observed` holds all samples, for the request's objective; it is required unless the
+/// model is view by view.
 Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, const SampleObservations* observed,
                                   const FitRequest& request, const ProgressToken& progress);
 

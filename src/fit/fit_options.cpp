@@ -145,8 +145,8 @@ void add_counts(std::vector<FitOptionRow>& to) {
         {"lobes", k_of_pm, "J|auto",
          fmt::format("Number of lobes, 1 to {}; for su per sampled direction; for ggx 1 or 2. "
                      "auto: for a table the\n"
-                     "fewest with a visible error of at most {:g}; for samples by cross-validation, or the "
-                     "most. Default: {}, or {} in\nforms that are not reciprocal; for samples auto; for "
+                     "fewest with a visible error of at most {:g}; for samples the most that "
+                     "they determine. Default: {}, or {} in\nforms that are not reciprocal; for samples auto; for "
                      "ggx 1",
                      k_most_fitted_lobes, k_default_delta_e, LobeCount{}.lobes, row_of(PmForm::extended).lobes)},
         1, k_most_fitted_lobes, [](FitRequest& r, int n) { pm(r).size = LobeCount{n}; });

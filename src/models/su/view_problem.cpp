@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "base/half.h"
+#include "base/least_squares.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
 

@@ -56,7 +56,7 @@ int fit_file(FileFit fit) {
     if (std::holds_alternative<BsdfTable>(measured->table)) return fit_both_sides(fit, *measured);
 
     ProgressLine line;
-    const auto show = [&](const Progress& now) { return line.show(now.stage, now.fraction), true; };
+    const auto show = line.shown_progress();
     auto outcome = srbf::fit(*measured, fit.request, show);
     if (!outcome) return line.clear(), complain(outcome.error());
     Image8 picture;

@@ -102,8 +102,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& 
 
 int fit_both_sides(const FileFit& fit, const Measured& measured) {
     ProgressLine line;
-    const auto outcome =
-        fit_bsdf(measured, fit.request, [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
+    const auto outcome = fit_bsdf(measured, fit.request, line.shown_progress());
     line.clear();
     if (!outcome) return complain(outcome.error());
     Image8 picture;

@@ -8,6 +8,7 @@
 #include "errors/measures.h"
 #include "models/kind/parameters.h"
 #include "srbf/metrics.h"
+#include "srbf/progress.h"
 
 namespace srbf {
 
@@ -77,6 +78,10 @@ class ProgressLine {
   public:
     ~ProgressLine() { clear(); }
     void show(std::string_view stage, double fraction);
+    /// Shows what a function of the library reports, and never cancels it. This object must outlive the function.
+    auto shown_progress() {
+        return [this](const Progress& now) { return show(now.stage, now.fraction), true; };
+    }
     void clear();
 
   private:

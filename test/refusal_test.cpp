@@ -70,8 +70,7 @@ TEST_F(CommandLine, full_devices_leave_nothing_behind) {
 }
 
 TEST_F(CommandLine, usage_errors_of_choices) {
-    expect_failure(2, {"fit", k_paper, "--form", "sauce"},
-                   "expected gaussian or extended or reciprocal, found sauce");
+    expect_failure(2, {"fit", k_paper, "--form", "sauce"}, "expected gaussian or extended or reciprocal, found sauce");
     expect_failure(2, {"fit", k_paper, "--lobes", "many"}, "expected 1 to 64 or auto, found many");
     expect_failure(2, {"fit", k_paper, "--axial", "--no-axial"}, "--axial");
     expect_failure(2, {"fit", k_paper, "--resume", "-o", "x.srbf"}, "not the name of a model");

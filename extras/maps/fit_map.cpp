@@ -111,34 +111,11 @@ Lobes refine(Lobes lobes, const Observed& observed, Reporter& reporter) {
     return lobes;
 }
 
-/// The lobes with their stored precision.
-Lobes rounded(const Lobes& lobes, const Rows& any_rows) {
-    LobeProblem problem(any_rows, lobes.shape, false);
-    problem.loss(pack(lobes));
-    return to_lobes(to_halves(to_model(problem, lobes), lobes), lobes.shape);
-}
-
-/// The lobes as a model with coefficients and scales 1.
+/// The lobes with their stored precision, as a model with coefficients and scales 1.
 PmModel basis_model(const Lobes& lobes) {
-    const auto N = std::size_t(lobes.shape.variates), J = std::size_t(lobes.count()),
-               C = std::size_t(lobes.shape.components());
-    PmModel model;
-    model.form = lobes.shape.form, model.axial = lobes.shape.axial, model.lobes = int(J), model.variates = int(N);
-    model.coefficient.assign(J, {1, 1, 1}), model.log_scale.assign(J, 0);
-    for (std::size_t j = 0; j < J; ++j) {
-        const auto weights = lobes.weights_of(int(j));
-        for (std::size_t n = 0; n < N; ++n) {
-            const Vec3d p = vector_of(weights, lobes.shape, int(n));
-            const double bandwidth = elementary::hypot(p.x, p.y, p.z);
-            model.bandwidth.push_back(float(bandwidth));
-            model.centre.push_back(bandwidth > 0
-                                       ? Vec3f{float(p.x / bandwidth), float(p.y / bandwidth), float(p.z / bandwidth)}
-                                       : Vec3f{0, 0, 1});
-        }
-        for (std::size_t k = N * C; k < weights.size(); ++k) model.exponent.push_back(float(weights[k]));
-    }
-    for (const double angle : lobes.angle) model.parameterization.push_back(rounded_direction(angle));
-    return rounded(model);
+    PmModel model = to_halves(without_coefficients(lobes), lobes);
+    model.coefficient.assign(std::size_t(model.lobes), {1, 1, 1});
+    return model;
 }
 
 /// The logarithms of a material's coefficients for lobes with peak 1, lobes × 3; −∞ for a coefficient of 0.
@@ -148,8 +125,7 @@ Eigen::MatrixXd log_coefficients(const Observations& observations, const Lobes& 
     problem.loss(pack(lobes));
     Eigen::MatrixXd log_beta = Eigen::MatrixXd::Constant(lobes.count(), 3, k_none);
     for (int j = 0; j < lobes.count(); ++j) {
-        const double factor = elementary::log(problem.scale()) +
-                              log_peak_factor(lobes.weights_of(j), lobes.shape, problem.offset()[std::size_t(j)]);
+        const double factor = problem.log_unit(lobes, j);
         for (int c = 0; c < 3; ++c)
             if (const double beta = problem.beta()(j, c); beta > 1e-30) log_beta(j, c) = elementary::log(beta) + factor;
     }
@@ -164,7 +140,7 @@ TexelMap map_of(const Observed& observed, const MapOptions& options, Reporter& r
         for (const auto& of : observed) rows.push_back(std::make_unique<Rows>(Subsets(*of).rows(Pairs::search, {})));
         Lobes lobes = search_for_lobes(rows, options, reporter);
         lobes = refine(std::move(lobes), observed, reporter);
-        map.basis = basis_model(rounded(lobes, *rows[0]));
+        map.basis = basis_model(lobes);
     });
     if (reporter.cancelled()) return {};
     const Lobes lobes = to_lobes(map.basis, shape_of(lobe_options(options)));

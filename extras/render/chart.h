@@ -7,8 +7,8 @@ namespace SRBF_NAMESPACE {
 
 struct ChartSeries {
     std::string name;
-    std::string colour;     ///< CSS colour
-    std::string dash;       ///< CSS dash pattern, "4 3"; empty: solid
+    std::string colour;  ///< CSS colour
+    std::string dash;    ///< CSS dash pattern, "4 3"; empty: solid
     struct Point {
         double x, y;        ///< skipped unless both are positive and finite
         std::string title;  ///< tooltip of the point

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/errors.h"
 #include "base/files.h"
 #include "base/paths.h"
 #include "measured/bytes.h"
@@ -31,19 +32,16 @@ Result<AnyFile> load_fitted(std::span<const std::byte> bytes, const std::string&
     if (!is_map_file(bytes)) {
         auto model = read_model(bytes, file);
         if (!model) return model.error();
-        if (name) return Error{path, {}, "input", "a map, of which # names a texel", "a model", ErrorCode::argument};
+        if (name) return argument_error(path, "input", "a map, of which # names a texel", "a model");
         return AnyFile(*std::move(model));
     }
     auto map = read_map(bytes, file);
     if (!map) return map.error();
     if (!name) return AnyFile(*std::move(map));
     if (const auto t = find_texel(*map, name->name)) return AnyFile(texel(*map, *t));
-    return Error{path,
-                 {},
-                 "texel",
-                 fmt::format("0 to {}, or 0,0 to {},{}", map->count() - 1, map->width - 1, map->height() - 1),
-                 fmt::format("{:.80}", name->name),
-                 ErrorCode::argument};
+    return argument_error(path, "texel",
+                          fmt::format("0 to {}, or 0,0 to {},{}", map->count() - 1, map->width - 1, map->height() - 1),
+                          fmt::format("{:.80}", name->name));
 }
 
 }  // namespace
@@ -54,12 +52,7 @@ Result<AnyFile> load_brdf_or_map(const std::string& path, const ReadOptions& opt
         auto bytes = read_input(name && options.columns.empty() ? name->file : path, options);
         if (!bytes) return bytes.error();
         if (is_safetensors(*bytes) && options.any())
-            return Error{path,
-                         {},
-                         "input",
-                         "samples, for --columns, --quantity and --floor",
-                         "a fitted model",
-                         ErrorCode::argument};
+            return argument_error(path, "input", "samples, for --columns, --quantity and --floor", "a fitted model");
         if (name || is_safetensors(*bytes)) return load_fitted(*bytes, path, name);
         auto measured = read_measured(*std::move(bytes), path, options);
         if (!measured) return measured.error();

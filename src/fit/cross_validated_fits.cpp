@@ -110,10 +110,9 @@ ObserveSamplesOptions observe_options(const FitRequest& request) {
             request.threads};
 }
 
-Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, const SampleObservations* observed,
-                                  const FitRequest& request, const ProgressToken& progress) {
-    const auto fold = assign_folds(samples, request.theta(), request.seed);
-    if (!fold) return fold.error();
+Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, std::span<const int> fold,
+                                  const SampleObservations* observed, const FitRequest& request,
+                                  const ProgressToken& progress) {
     PmFitOptions options;
     if (const auto* pm = std::get_if<PmRequest>(&request.model)) {
         options = sample_options(samples, request);
@@ -140,12 +139,12 @@ Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, const SampleO
         if (which == 0)
             outcome = fit_observed_samples(samples, observed, request, options, next_part());
         else
-            folds = heldout(fit_fold, samples, *fold);
+            folds = heldout(fit_fold, samples, fold);
     });
     if (!outcome) return outcome;
     if (!folds) return folds.error();
     const auto compare = [&](Model FitOutcome::*model) {
-        return compared(samples, request, (*outcome).*model, heldout_values(samples, *fold, *folds, model));
+        return compared(samples, request, (*outcome).*model, heldout_values(samples, fold, *folds, model));
     };
     outcome->errors = compare(&FitOutcome::model), outcome->unrounded_errors = compare(&FitOutcome::unrounded);
     outcome->samples = outcome->errors->matrix.pairs;

@@ -273,12 +273,13 @@ struct Fitter::State {
 
     Result<FitOutcome> fit_to(const ScatteredSamples& samples, const FitRequest& request,
                               const ProgressToken& progress) {
+        const auto fold = assign_folds(samples, request.theta(), request.seed);
+        if (!fold) return fold.error();
         if (std::holds_alternative<SuRequest>(request.model))
-            return fit_to_samples(samples, nullptr, request, progress);
-        if (const auto fold = assign_folds(samples, request.theta(), request.seed); !fold) return fold.error();
+            return fit_to_samples(samples, *fold, nullptr, request, progress);
         const auto observations = observed_samples(request, progress.part(0, k_samples_observed));
         if (!observations) return observations.error();
-        return fit_to_samples(samples, *observations, request, progress.part(k_samples_observed, 1));
+        return fit_to_samples(samples, *fold, *observations, request, progress.part(k_samples_observed, 1));
     }
 
     Result<FitOutcome> fit_table(const FitRequest& request, const ProgressToken& progress) {

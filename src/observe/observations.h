@@ -112,9 +112,6 @@ struct Observations {
     bool is_noisy() const;
     /// True if the channels of each colour are equal.
     bool is_grey() const;
-    std::span<const float> spectrum_of(std::size_t i) const {
-        return std::span(spectrum).subspan(i * wavelengths.size(), wavelengths.size());
-    }
     void add(Vec3f l, Vec3f v, const Rgb& value, double value_weight, std::span<const float> value_spectrum = {});
     void append(const Observations& more);  ///< adds the pairs of `more`; spectra if this has wavelengths
     void swap_rows(std::size_t i, std::size_t k);

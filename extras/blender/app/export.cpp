@@ -45,10 +45,7 @@ Result<ClosureSum> fit_and_report(const Subject& subject, const std::string& nam
     const Evaluate f = evaluator(subject);
     const bool isotropic = is_isotropic(f, default_max_theta(k_default_objective));
     ProgressLine line;
-    auto sum = fit_closures(f, options, ProgressToken([&](const Progress& progress) {
-                                line.show(progress.stage, progress.fraction);
-                                return true;
-                            }));
+    auto sum = fit_closures(f, options, ProgressToken(line.shown_progress()));
     line.clear();
     if (!sum) return sum;
     if (!isotropic)

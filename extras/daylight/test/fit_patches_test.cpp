@@ -6,7 +6,6 @@
 #include "furnace.h"
 #include "measured/formats.h"
 #include "models/bsdf/bsdf_functions.h"
-#include "any/table_file.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"
 

@@ -9,6 +9,7 @@
 #include "app/fit_options.h"
 #include "app/output.h"
 #include "app/pairs.h"
+#include "base/errors.h"
 #include "base/half.h"
 #include "base/printable.h"
 #include "extras/maps/app/texels.h"
@@ -90,27 +91,21 @@ TexelMap lobes_of(const TexelMap& fitted, std::size_t width) {
 
 Result<Done> fit_texels(const MapCommand& fit) {
     if (fit.inputs.size() != 1)
-        return Error{fit.output,         {}, "inputs", "one file of texels", std::to_string(fit.inputs.size()),
-                     ErrorCode::argument};
+        return argument_error(fit.output, "inputs", "one file of texels", std::to_string(fit.inputs.size()));
     const auto read = load_pairs(fit.pairs);
     if (!read) return read.error();
     const SharedPairs pairs{read->wl, read->wv, fit.options.axial};
     const auto texels = Texels::open(fit.inputs[0], pairs.wl.size());
     if (!texels) return texels.error();
     if (fit.width > 0 && texels->count() % fit.width != 0)
-        return Error{fit.inputs[0],
-                     {},
-                     "texels",
-                     fmt::format("a multiple of the width, {}", fit.width),
-                     fmt::format("{}", texels->count()),
-                     ErrorCode::argument};
+        return argument_error(fit.inputs[0], "texels", fmt::format("a multiple of the width, {}", fit.width),
+                              fmt::format("{}", texels->count()));
     if (const auto writable = check_outputs({fit.inputs[0], fit.pairs}, {fit.output}); !writable) return writable;
     Stopwatch watch;
     ProgressLine line;
     const auto spanning = texels->spanning(pairs, k_spanning_texels);
     if (!spanning) return spanning.error();
-    const auto basis = fit_map(pairs, *spanning, fit.options,
-                               [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
+    const auto basis = fit_map(pairs, *spanning, fit.options, line.shown_progress());
     line.clear();
     if (!basis) return basis.error();
     const double basis_seconds = watch.seconds();
@@ -153,8 +148,7 @@ Result<Done> paint(const MapCommand& fit) {
     }
     const Stopwatch watch;
     ProgressLine line;
-    auto basis =
-        fit_map(materials, fit.options, [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
+    auto basis = fit_map(materials, fit.options, line.shown_progress());
     line.clear();
     if (!basis) return basis.error();
     const double seconds = watch.seconds();

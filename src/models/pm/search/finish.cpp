@@ -24,9 +24,7 @@ Eigen::MatrixXd coefficients_in(const LobeProblem& problem, const PmModel& model
     Eigen::MatrixXd beta(model.lobes, 3);
     for (int j = 0; j < model.lobes; ++j) {
         const auto k = std::size_t(j);
-        const double log_unit =
-            elementary::log(problem.scale()) + log_peak_factor(lobes.weights_of(j), lobes.shape, problem.offset()[k]);
-        const double factor = elementary::exp(double(model.log_scale[k]) - log_unit);
+        const double factor = elementary::exp(double(model.log_scale[k]) - problem.log_unit(lobes, j));
         for (int c = 0; c < 3; ++c) beta(j, c) = factor * double(model.coefficient[k][c]);
     }
     return beta;
@@ -36,8 +34,8 @@ Eigen::MatrixXd coefficients_in(const LobeProblem& problem, const PmModel& model
 /// colours remain: with the fundamental of a lobe's spectrum, which is its component that has a colour, only the other
 /// component, the metameric black (Cohen & Kappauf 1982), is fitted to the spectra.
 PmModel with_spectra(PmModel model, const LobeShape& shape, const Observations& observations) {
-    // Σ |y − Σ_j E_j s_j|², where s_j are spectra of given colours and y is data, is least if each s_j is the one of these
-    // colours nearest to the spectrum without that condition, whatever the products of the lobes are.
+    // Σ |y − Σ_j E_j s_j|², where s_j are spectra of given colours and y is data, is least if each s_j is the one of
+    // these colours nearest to the spectrum without that condition, whatever the products of the lobes are.
     const Lobes lobes = to_lobes(model, shape);
     const Rows rows(observations, {.spectra = true});
     LobeProblem problem(rows, shape, true);
@@ -104,8 +102,8 @@ std::optional<AlbedoBound> albedo_bound(const PmFitOptions& options) {
 
 /// A round: `steps(problem, x)`, then rounding. `lobes` become those of the steps.
 template <typename Steps>
-PmFit fit_round(const Observations& observations, Lobes& lobes, const TermFactors& factors, const Steps& steps) {
-    const Rows rows(observations, {.integral_importance = factors.integrals, .picture_importance = factors.pictures});
+PmFit fit_round(const Observations& observations, Lobes& lobes, const RowOptions& terms, const Steps& steps) {
+    const Rows rows(observations, terms);
     LobeProblem problem(rows, lobes.shape, true);
     Eigen::VectorXd x = pack(lobes);
     const LevenbergMarquardtSummary summary = steps(problem, x);
@@ -144,18 +142,18 @@ PmFit with_spectra(PmFit fit, const Observations& observations, const PmFitOptio
     return fit;
 }
 
-PmFit finish(Lobes lobes, Observations observations, const TermFactors& factors, const PmFitOptions& options,
+PmFit finish(Lobes lobes, Observations observations, const RowOptions& terms, const PmFitOptions& options,
              const Reporter& reporter) {
     const std::size_t first_bound = observations.fitted_count();
     std::optional<AlbedoBound> bound = albedo_bound(options);
-    PmFit fit = fit_round(observations, lobes, factors, [&](LobeProblem& problem, Eigen::VectorXd& x) {
+    PmFit fit = fit_round(observations, lobes, terms, [&](LobeProblem& problem, Eigen::VectorXd& x) {
         return take_last_steps(problem, x, reporter);
     });
     for (int round = 0; round < k_bound_rounds && !reporter.cancelled(); ++round) {
         std::size_t exceeded = add_exceeded_pairs(observations, first_bound, fit.model, fit.loss);
         if (bound) exceeded += bound->add_exceeded(observations, evaluator(fit.model));
         if (exceeded == 0) break;
-        fit = fit_round(observations, lobes, factors, [&](LobeProblem& problem, Eigen::VectorXd& x) {
+        fit = fit_round(observations, lobes, terms, [&](LobeProblem& problem, Eigen::VectorXd& x) {
             return take_steps(problem, x, k_bound_steps, reporter);
         });
     }

@@ -106,7 +106,7 @@ class Fit {
                        [&](LobeProblem& problem, Candidate& candidate) { polish(problem, options_, 25, candidate); });
         reporter_.advance("polishing", work_.polish);
         sort_by_all_pairs();
-        return finish(3, {subsets_.integral_importance()});
+        return finish(3, {.integral_importance = subsets_.integral_importance()});
     }
 
     /// With pictures. The best candidate after all steps is nearly always among the best ones after three.
@@ -119,7 +119,7 @@ class Fit {
             keep(count_of(fraction, options_));
             rank_by_pictures(steps, importance);
         }
-        return finish(1, {subsets_.integral_importance(), importance});
+        return finish(1, {.integral_importance = subsets_.integral_importance(), .picture_importance = importance});
     }
 
   private:
@@ -174,16 +174,17 @@ class Fit {
     /// Finishes the first candidate, and further ones of `most` that are nearly as good, and returns the best. Finishes
     /// all remaining candidates for noisy tables, where albedos cost most and pictures do not show which candidate can
     /// follow them, and if pictures of the best one are far off; then pictures choose.
-    PmFit finish(std::size_t most, const TermFactors& factors) {
+    PmFit finish(std::size_t most, const RowOptions& terms) {
         const bool is_noisy = observations_.is_noisy();
-        const bool is_far_off = !is_noisy && factors.pictures > 0 && candidates_.front().loss > k_visible_at_once;
+        const bool is_far_off =
+            !is_noisy && terms.picture_importance > 0 && candidates_.front().loss > k_visible_at_once;
         const bool finishes_all = is_noisy || is_far_off;
         if (!finishes_all) keep(most);
         PmFit fit;
         for (std::size_t i = 0; i < candidates_.size(); ++i) {
             const bool may_be_best = i == 0 || finishes_all || candidates_[i].loss <= (1 + k_nearly_best) * fit.loss;
             if (!may_be_best || (i > 0 && reporter_.cancelled())) break;
-            PmFit next = srbf::finish(candidates_[i].lobes, observations_, factors, options_, reporter_);
+            PmFit next = srbf::finish(candidates_[i].lobes, observations_, terms, options_, reporter_);
             const bool is_better = is_far_off ? next.delta_e < fit.delta_e : next.loss < fit.loss;
             if (i == 0 || is_better) fit = std::move(next);
         }

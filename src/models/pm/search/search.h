@@ -32,15 +32,10 @@ void perturb(LobeProblem& problem, const PmFitOptions& options, int until, Candi
 /// Optimises on more rows by `steps` steps, and replaces lobes that become useless there.
 void polish(LobeProblem& problem, const PmFitOptions& options, int steps, Candidate& candidate);
 
-/// Factors of the terms other than that of the pairs, see RowOptions.
-struct TermFactors {
-    double integrals = 0, pictures = 0;
-};
-
-/// Optimises the lobes on all observations and rounds them. Bound pairs that the rounded model exceeds become
+/// Optimises the lobes on all observations, with these terms, and rounds them. Bound pairs that the rounded model exceeds become
 /// observations for the next round, until the model exceeds none. With spectral observations the lobes then get
 /// spectra.
-PmFit finish(Lobes lobes, Observations observations, const TermFactors& factors, const PmFitOptions& options,
+PmFit finish(Lobes lobes, Observations observations, const RowOptions& terms, const PmFitOptions& options,
              const Reporter& reporter);
 
 /// The random generator of one of the streams of a start: 0 for its growth, 1 for its polish, 2 + i for

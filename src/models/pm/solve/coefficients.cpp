@@ -33,7 +33,7 @@ void Coefficients::fit_to_pixels(const Eigen::MatrixXd& products, const PixelTer
     const Eigen::Index J = limit.rows(), C = limit.cols();
     beta = beta.cwiseMin(limit).eval();
     CoefficientTerms terms(0, beta.size()), next_terms = terms;
-    double loss = loss_at(beta, products, &pixels, pixel_loss, terms);
+    double loss = loss_at(beta, products, pixels, pixel_loss, terms);
     for (int step = 0; step < k_pixel_steps; ++step) {
         const Eigen::VectorXd current = beta.reshaped();
         Eigen::VectorXd direction =
@@ -47,7 +47,7 @@ void Coefficients::fit_to_pixels(const Eigen::MatrixXd& products, const PixelTer
         for (double fraction = 1; fraction > k_least_fraction && !lowered; fraction /= 2) {
             const Eigen::MatrixXd next = beta + fraction * direction.reshaped(J, C);
             double next_pixel_loss = 0;
-            const double next_loss = loss_at(next, products, &pixels, next_pixel_loss, next_terms);
+            const double next_loss = loss_at(next, products, pixels, next_pixel_loss, next_terms);
             lowered = next_loss < loss;
             if (lowered) beta = next, pixel_loss = next_pixel_loss, loss = next_loss, std::swap(terms, next_terms);
         }
@@ -55,11 +55,10 @@ void Coefficients::fit_to_pixels(const Eigen::MatrixXd& products, const PixelTer
     }
 }
 
-double Coefficients::loss_at(const Eigen::MatrixXd& other, const Eigen::MatrixXd& products, const PixelTerm* pixels,
+double Coefficients::loss_at(const Eigen::MatrixXd& other, const Eigen::MatrixXd& products, const PixelTerm& pixels,
                              double& pixel_term, CoefficientTerms& terms) const {
     const Eigen::Index J = other.rows(), C = other.cols();
-    terms = CoefficientTerms(0, other.size());
-    double sum = pixel_term = pixels ? pixels->loss(other, terms) : 0;
+    double sum = pixel_term = pixels.loss(other, terms);
     for (Eigen::Index c = 0; c < C; ++c) {
         const Eigen::VectorXd data_product = products.block(0, J + c, J, 1), product = gram * other.col(c);
         sum += other.col(c).dot(product - 2 * data_product) + products(J + c, J + c);

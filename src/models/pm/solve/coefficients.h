@@ -17,15 +17,14 @@ struct Coefficients {
     /// of lobes and data, (J + C)².
     void fit(const Eigen::MatrixXd& products, const PixelTerm* pixels);
 
-    /// The loss for other coefficients, with its derivatives by them. `pixel_term` receives the term of pixels.
-    double loss_at(const Eigen::MatrixXd& other, const Eigen::MatrixXd& products, const PixelTerm* pixels,
-                   double& pixel_term, CoefficientTerms& terms) const;
-
     /// The coefficients of channel c that are strictly between their bounds and hence adapt.
     std::vector<Eigen::Index> free(Eigen::Index c) const;
 
   private:
     void fit_to_pixels(const Eigen::MatrixXd& products, const PixelTerm& pixels);
+    /// The loss for other coefficients, with its derivatives by them. `pixel_term` receives the term of pixels.
+    double loss_at(const Eigen::MatrixXd& other, const Eigen::MatrixXd& products, const PixelTerm& pixels,
+                   double& pixel_term, CoefficientTerms& terms) const;
 };
 
 }  // namespace srbf

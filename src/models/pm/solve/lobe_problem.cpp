@@ -62,12 +62,13 @@ void LobeProblem::limit_coefficients(const Eigen::VectorXd& x) {
     constexpr double k_largest_exponent = 700;  // of a finite number
     const Lobes lobes = unpack(x, shape_);
     Eigen::VectorXd limit(basis_.count());
-    for (int j = 0; j < limit.size(); ++j) {
-        const double log_unit =
-            elementary::log(rows_.scale) + log_peak_factor(lobes.weights_of(j), shape_, offset()[std::size_t(j)]);
-        limit[j] = elementary::exp(std::min(k_log_peak_limit - log_unit, k_largest_exponent));
-    }
+    for (int j = 0; j < limit.size(); ++j)
+        limit[j] = elementary::exp(std::min(k_log_peak_limit - log_unit(lobes, j), k_largest_exponent));
     coefficients_.limit = limit.replicate(1, channels());
+}
+
+double LobeProblem::log_unit(const Lobes& lobes, int j) const {
+    return elementary::log(scale()) + log_peak_factor(lobes.weights_of(j), shape_, offset()[std::size_t(j)]);
 }
 
 double LobeProblem::loss_with_residuals() {
@@ -99,8 +100,8 @@ double LobeProblem::loss_with_residuals() {
 
 // The derivative of the residual of channel c is −β_jc E_j s_i with respect to weight i of lobe j, where s_i is the
 // factor of the weight, and −A_nc with respect to angle n, A_nc = Σ_j β_jc E_j p_jn·∂ψ_n/∂angle. A coefficient
-// above 0 adapts, so that only the component of the derivatives orthogonal to the free lobes counts (Kaufman's
-// approximation).
+// strictly between its bounds adapts, so that only the component of the derivatives orthogonal to the free lobes counts
+// (Kaufman's approximation). The others are constants, although their upper bound depends on the lobe.
 void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
     const DerivativeGram sums(basis_, x, beta(), residuals_);
     H = Eigen::MatrixXd::Zero(x.size(), x.size());

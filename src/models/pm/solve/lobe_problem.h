@@ -29,6 +29,8 @@ class LobeProblem {
     void continue_from(const Eigen::MatrixXd& beta) { coefficients_.beta = beta; }
     double scale() const { return rows_.scale; }
     const std::vector<double>& offset() const { return basis_.offset(); }  ///< o_j
+    /// The log of the coefficient of lobe j with peak 1 if β_j is 1, for the lobes of that call.
+    double log_unit(const Lobes& lobes, int j) const;
 
     /// Approximate decrease of the loss if each candidate were added; −1 for a candidate that is 0 at all pairs.
     /// Valid after `loss`.

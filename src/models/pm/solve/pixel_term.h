@@ -14,7 +14,7 @@ struct CoefficientTerms {
           g(Eigen::VectorXd::Zero(count)) {}
     Eigen::MatrixXd H, across;       ///< Hessian; mixed derivatives by variables and coefficients
     Eigen::VectorXd g;               ///< half the gradient
-    std::vector<Eigen::Index> free;  ///< indices of coefficients above 0
+    std::vector<Eigen::Index> free;  ///< indices of coefficients strictly between their bounds
     /// Changes the variables' Hessian and gradient to those of a sum to which the free coefficients adapt.
     void eliminate(Eigen::MatrixXd& H_x, Eigen::VectorXd& g_x) const;
 };

@@ -28,9 +28,6 @@ Parameterization rounded_direction(double angle) {
     return best;
 }
 
-namespace {
-
-/// The model of these lobes, with coefficients 0.
 PmModel without_coefficients(const Lobes& lobes) {
     PmModel model;
     const LobeShape& shape = lobes.shape;
@@ -54,6 +51,8 @@ PmModel without_coefficients(const Lobes& lobes) {
     model.log_scale.resize(std::size_t(model.lobes));
     return model;
 }
+
+namespace {
 
 /// If rounding raises the loss by more than this factor, lobes are rounded one after the other.
 constexpr double k_cost_of_rounding = 1.003;
@@ -102,8 +101,7 @@ PmModel to_model(const LobeProblem& problem, const Lobes& lobes, const std::vect
     std::vector<double> largest, log_peak;  // of all channels; −∞: the lobe is not used
     for (int j = 0; j < model.lobes; ++j) {
         largest.push_back(problem.beta().row(j).maxCoeff());
-        log_peak.push_back(elementary::log(largest.back()) + elementary::log(problem.scale()) +
-                           log_peak_factor(lobes.weights_of(j), lobes.shape, problem.offset()[std::size_t(j)]));
+        log_peak.push_back(elementary::log(largest.back()) + problem.log_unit(lobes, j));
     }
     const auto is_beyond_halves = [&](std::size_t j) {
         return largest[j] > k_unused && (log_peak[j] > elementary::log(double(k_half_max)) ||

@@ -8,6 +8,9 @@ namespace SRBF_NAMESPACE {
 /// the larger one may be any of the 1024 halves of a binade. The error is below 3e-5; plain rounding has 3e-4.
 Parameterization rounded_direction(double angle);
 
+/// The model of these lobes, with coefficients 0.
+PmModel without_coefficients(const Lobes& lobes);
+
 /// The model of these lobes with the coefficients of the problem's last call of `loss`. Lobes of form
 /// gaussian have log scales if the coefficient of one leaves the normal range of 16-bit floats. `wavelengths` are those
 /// of the problem's channels; if empty, the channels are R, G, B.

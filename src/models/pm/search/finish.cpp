@@ -70,7 +70,7 @@ PmModel with_spectra(PmModel model, const LobeShape& shape, const Observations& 
 /// The last steps run in batches of ten until a batch lowers the loss by less than `k_least_gain`. Most fits need
 /// two batches; a fit whose narrow lobes must match an albedo needs twenty.
 constexpr int k_last_steps = 10, k_most_batches = 26;
-constexpr double k_least_gain = 0.005;
+constexpr double k_least_gain = 0.01;
 /// Once bounds are exceeded, a few steps with larger weights move lobes below them.
 constexpr int k_bound_rounds = 12, k_bound_steps = 4;
 

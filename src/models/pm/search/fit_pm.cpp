@@ -1,5 +1,8 @@
 
 #include "models/pm/search/fit_pm.h"
+
+#include <bit>
+
 #include "base/errors.h"
 #include "base/levenberg_marquardt.h"
 #include "base/parallel.h"
@@ -52,9 +55,14 @@ struct Perturbations {
 };
 constexpr Perturbations k_by_pairs[] = {
     {Pairs::search, 1, 0.2}, {Pairs::selection, 0.5, 0.5}, {Pairs::selection, 0.25, 1}};
-/// Candidates with the same loss of pairs look different, and further perturbations hardly lower that loss: all
-/// candidates remain for pictures to choose from.
-constexpr Perturbations k_by_pictures[] = {{Pairs::search, 1, 0.12}, {Pairs::search, 1, 0.28}};
+/// Candidates with the same loss of pairs look different, and further perturbations hardly lower that loss: half
+/// of the candidates remain for pictures to choose from.
+constexpr Perturbations k_by_pictures[] = {{Pairs::search, 1, 0.12}, {Pairs::search, 0.5, 0.28}};
+
+/// Number of pairs while there are many candidates: about ten for each parameter.
+std::size_t search_pairs(const PmFitOptions& options) {
+    return std::clamp(std::bit_ceil(10 * parameter_count(options)), std::size_t(1024), std::size_t(2048));
+}
 
 std::span<const Perturbations> perturbations(bool with_pictures) {
     if (with_pictures) return k_by_pictures;
@@ -115,7 +123,7 @@ class Fit {
         perturb(k_by_pictures);
         if (!reporter_.cancelled()) add_exceeded_pairs();
         const double importance = subsets_.picture_importance(candidates_.front());
-        for (const auto& [fraction, steps] : {std::pair(1.0, 3), {0.25, 4}, {0.125, 8}}) {
+        for (const auto& [fraction, steps] : {std::pair(0.5, 3), {0.25, 4}, {0.125, 8}}) {
             keep(count_of(fraction, options_));
             rank_by_pictures(steps, importance);
         }
@@ -140,8 +148,8 @@ class Fit {
     void perturb(std::span<const Perturbations> all) {
         if (grown_) return;
         for (const Perturbations& some : all) {
-            add_exceeded_pairs();
             keep(count_of(some.fraction, options_));
+            add_exceeded_pairs();
             for_candidates(subsets_.rows(some.pairs, {}), [&](LobeProblem& problem, Candidate& candidate) {
                 srbf::perturb(problem, options_, until(some, options_), candidate, reporter_);
             });
@@ -198,7 +206,7 @@ class Fit {
     bool grown_;
     std::vector<Candidate> candidates_;
     Work work_ = planned_work(observations_, options_);
-    Subsets subsets_{observations_};
+    Subsets subsets_{observations_, search_pairs(options_)};
 };
 
 }  // namespace

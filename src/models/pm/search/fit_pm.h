@@ -22,11 +22,12 @@ struct PmFitOptions {
     double finest = 0;
     /// Number of starts: independent growths of J lobes. The best four are polished and one to three of them
     /// finished. For appearance, pictures choose among all of them, and one is finished, or an eighth where pictures
-    /// are far off. Default: 20, or 16 for 8 lobes and more.
+    /// are far off. Default: 16, or 12 for 8 lobes and more.
     std::optional<int> starts = {};
     /// Maximum number of perturbations of a candidate. Each replaces the least useful lobe; every fourth one
     /// replaces the least useful variate instead. All starts get a fifth of the perturbations, the better half
-    /// another three tenths, and the best quarter the remaining half. For appearance, all starts get 0.28 of them.
+    /// another three tenths, and the best quarter the remaining half. For appearance, all starts get 0.12 of them, and the better half
+    /// another 0.16.
     /// Default: 45 for up to 5 lobes, falling to 25 for 8 and more.
     std::optional<int> perturbations = {};
     /// Both numbers are multiplied by it; at least one start remains.
@@ -67,7 +68,7 @@ inline constexpr int k_most_starts = 1000;
 /// Default numbers of starts and perturbations. Fits with more lobes use fewer, because each takes longer and
 /// matters less.
 inline int starts_of(const PmFitOptions& options) {
-    const int starts = options.starts.value_or(std::clamp(128 / std::max(options.lobes, 1), 16, 20));
+    const int starts = options.starts.value_or(std::clamp(96 / std::max(options.lobes, 1), 12, 16));
     return std::clamp(int(std::lround(options.effort * starts)), 1, k_most_starts);
 }
 inline int perturbations_of(const PmFitOptions& options) {

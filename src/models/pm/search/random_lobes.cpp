@@ -9,7 +9,7 @@ namespace SRBF_NAMESPACE {
 namespace {
 
 /// Number of random lobes from which the best is added.
-constexpr int k_additions = 256;
+constexpr int k_additions = 128;
 /// This fraction of them are copies of an existing lobe, whose weights are multiplied by up to e and shifted by up
 /// to 2.
 constexpr double k_copies = 0.25, k_log_stretch = 1, k_shift = 2;

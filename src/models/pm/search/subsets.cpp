@@ -12,6 +12,7 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
+constexpr std::size_t k_selection_pairs = 4096, k_polish_pairs = 16384;
 /// Maximum number of exceeded bound pairs that are added for each candidate.
 constexpr std::size_t k_most_added = 16;
 
@@ -25,17 +26,17 @@ std::vector<std::size_t> thin_out(const std::vector<std::size_t>& indices, std::
 
 }  // namespace
 
-Subsets::Subsets(const Observations& observations)
+Subsets::Subsets(const Observations& observations, std::size_t search_pairs)
     : all_(observations),
-      search_(part_of(observations.f.size() < std::size_t(Pairs::polish) ? Pairs::selection : Pairs::search)),
-      selection_(part_of(Pairs::selection)),
-      polish_(part_of(Pairs::polish)),
+      search_(part_of(observations.f.size() < k_polish_pairs ? k_selection_pairs : search_pairs)),
+      selection_(part_of(k_selection_pairs)),
+      polish_(part_of(k_polish_pairs)),
       largest_(largest_measured(observations)) {
     selection_.observations.views = observations.views;
 }
 
-Subsets::Part Subsets::part_of(Pairs pairs) const {
-    Observations part = first_pairs(all_, std::size_t(pairs));
+Subsets::Part Subsets::part_of(std::size_t pairs) const {
+    Observations part = first_pairs(all_, pairs);
     part.wavelengths.clear(), part.spectrum.clear();
     part.integrals = all_.integrals;
     const std::size_t begin = part.f.size();

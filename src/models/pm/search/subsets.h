@@ -6,10 +6,10 @@
 
 namespace SRBF_NAMESPACE {
 
-/// The number of first pairs that are rows: while there are many candidates, afterwards, and in the polish.
+/// Which first pairs are rows: those of a search with many candidates, 4096 afterwards, 16384 in the polish, all.
 /// Pictures are observed beside `selection` and `all`. A quick fit, with fewer observations than another's polish,
 /// uses `selection` instead of `search`, because its first candidates are its only ones.
-enum class Pairs : std::size_t { search = 2048, selection = 4096, polish = 16384, all = 0 };
+enum class Pairs { search, selection, polish, all };
 
 /// The terms of a loss other than that of the pairs.
 struct FurtherTerms {
@@ -22,7 +22,7 @@ struct FurtherTerms {
 class Subsets {
   public:
     /// Keeps a reference to `observations`, which must outlive it.
-    explicit Subsets(const Observations& observations);
+    explicit Subsets(const Observations& observations, std::size_t search_pairs = 2048);
 
     /// Evaluates the candidates at the other observations. Adds those at which they exceed the measurement, and
     /// updates the loss to which the weight of integrals is relative.
@@ -40,7 +40,7 @@ class Subsets {
         Observations observations;
         std::size_t begin;  ///< number of initial observations from `all_`; the others were added
     };
-    Part part_of(Pairs pairs) const;
+    Part part_of(std::size_t pairs) const;
     const Observations& observations(Pairs pairs) const;
 
     const Observations& all_;

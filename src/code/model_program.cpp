@@ -334,7 +334,7 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
         }
     }
     syntax::specialise(program, roots);
-    if (added.unrolled) syntax::unroll(program, roots);
+    if (added.rewrite) added.rewrite(program, roots);
     return program;
 }
 

@@ -155,7 +155,7 @@ Result<Fitted<GgxModel>> Kind<GgxModel>::fit(const Observations& observations, c
         weighed.weight = observations.weight;
         weigh_large_errors(weighed, evaluator(model), k_most_facet_change);
     };
-    if (adapts_weights) {
+    for (int i = 0; i < k_facet_rounds && adapts_weights; ++i) {
         weigh_by(candidates[0].model);
         candidates = solved(weighed, grid, conditions.threads);
     }

@@ -281,17 +281,15 @@ TEST_F(Prepared, AlbedoOfFitsIsTheIntegral) {
 TEST_F(Prepared, AlbedoOfViewsIsTheIntegral) {
     constexpr int k_points = 40000;
     const std::vector<Vec3f> wl = fibonacci_directions(k_points, k_pi / 2);
-    for (const bool shaped : {false, true}) {
-        const SuModel model = random_su(random_, 96, 4, shaped);
-        const PreparedBrdf prepared = prepare(Model{model, {}}, CosineProposal{});
-        for (const double theta : {3.0, 40.0, 75.0, 83.7, 86.3, 88.9, 89.5}) {
-            const std::vector<Vec3f> wv(wl.size(), to_float(spherical(theta * k_degree, 0.7)));
-            std::vector<Rgb> f(wl.size());
-            evaluate(model, wl, wv, f);
-            double integral = 0;
-            for (std::size_t i = 0; i < wl.size(); ++i) integral += double(f[i].g * wl[i].z) * 2 * k_pi / k_points;
-            EXPECT_TRUE(near(albedo(prepared, wv[0].z).g, integral, 0.01 * integral)) << theta << ", " << shaped;
-        }
+    const SuModel model = random_su(random_, 96, 4);
+    const PreparedBrdf prepared = prepare(Model{model, {}}, CosineProposal{});
+    for (const double theta : {3.0, 40.0, 75.0, 83.7, 86.3, 88.9, 89.5}) {
+        const std::vector<Vec3f> wv(wl.size(), to_float(spherical(theta * k_degree, 0.7)));
+        std::vector<Rgb> f(wl.size());
+        evaluate(model, wl, wv, f);
+        double integral = 0;
+        for (std::size_t i = 0; i < wl.size(); ++i) integral += double(f[i].g * wl[i].z) * 2 * k_pi / k_points;
+        EXPECT_TRUE(near(albedo(prepared, wv[0].z).g, integral, 0.01 * integral)) << theta;
     }
 }
 

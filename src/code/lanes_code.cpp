@@ -34,7 +34,6 @@ Vec3 su_direction(Su su, int view);
 Vec3 su_centre(Su su, int view, int j);
 Real su_bandwidth(Su su, int view, int j);
 Vec3 su_coefficient(Su su, int view, int j);
-Real su_shape(Su su, int view, int j);
 int su_nearest(SuNearest nearest, int k);
 )";
 

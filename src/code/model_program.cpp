@@ -111,14 +111,14 @@ std::string numbers_of(const PmModel& model, ParameterStorage storage, Program& 
 }
 
 /// The accessors of a view-by-view model, whose numbers (`shading_data`) the host supplies.
-constexpr std::size_t k_view_numbers = 3, k_view_lobe_numbers = 8;
+constexpr std::size_t k_view_numbers = 3, k_view_lobe_numbers = 7;
 std::string numbers_of(const SuModel& model, Program& program) {
     const std::size_t J = std::size_t(model.lobes), row = k_view_numbers + k_view_lobe_numbers * J;
     program.tables.push_back(
         {fmt::format(
              "number i of the data, float32 in little-endian order; a function or macro of the host. {} rows of {}: "
              "the direction of a view (x, y, z), and for each of its lobes, {}, coefficient (R, G, B), bandwidth, "
-             "centre (x, y, z), shape (tau or -alpha, 0 without).",
+             "centre (x, y, z).",
              model.direction.size(), row, J),
          "number",
          {}});
@@ -136,10 +136,8 @@ std::string numbers_of(const SuModel& model, Program& program) {
         "2]); }}\n"
         "Vec3 su_coefficient(Su su, int view, int j) {{ return Vec3({3}, {4}, {5}); }}\n"
         "Real su_bandwidth(Su su, int view, int j) {{ return {6}; }}\n"
-        "Vec3 su_centre(Su su, int view, int j) {{ return Vec3({7}, {8}, {9}); }}\n"
-        "Real su_shape(Su su, int view, int j) {{ return {10}; }}\n",
-        J, model.direction.size(), row, number(0), number(1), number(2), number(3), number(4), number(5), number(6),
-        model.shape.empty() ? "0.0" : number(7));
+        "Vec3 su_centre(Su su, int view, int j) {{ return Vec3({7}, {8}, {9}); }}\n",
+        J, model.direction.size(), row, number(0), number(1), number(2), number(3), number(4), number(5), number(6));
 }
 
 std::string real(float x) { return fmt::format("Real({})", syntax::digits(x)); }
@@ -334,7 +332,7 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
         }
     }
     syntax::specialise(program, roots);
-    if (added.unrolled) syntax::unroll(program, roots);
+    if (added.rewrite) added.rewrite(program, roots);
     return program;
 }
 
@@ -347,8 +345,7 @@ std::vector<float> shading_data(const SuModel& model) {
         for (std::size_t j = i * J; j < (i + 1) * J; ++j) {
             const Rgb& beta = model.coefficient[j];
             const Vec3f xi = model.centre[j];
-            data.insert(data.end(), {beta.r, beta.g, beta.b, model.bandwidth[j], xi.x, xi.y, xi.z,
-                                     model.shape.empty() ? 0 : model.shape[j]});
+            data.insert(data.end(), {beta.r, beta.g, beta.b, model.bandwidth[j], xi.x, xi.y, xi.z});
         }
     }
     return data;

@@ -219,7 +219,7 @@ TEST_P(Raster, ViewByViewModelsLookAsOnTheCpu) {
     EXPECT_GE(psnr(film_su(), knot_scene(), PixelInput::surface), 45);
     // Sharp lobes, other for each view.
     std::mt19937_64 random(2);
-    SuModel sharp = random_su(random, 1536, 3, true);
+    SuModel sharp = random_su(random, 1536, 3);
     for (float& lambda : sharp.bandwidth) lambda *= 30;
     EXPECT_GE(psnr(sharp, sphere_scene()), 45);
 }

@@ -13,7 +13,6 @@ namespace SRBF_NAMESPACE {
 ///   std::string summary(const M&), void add_rows(std::string& text, const M&), Parameters members(const M&),
 ///   Parameters parameters(const M&), std::vector<Model> terms(const M&, std::size_t most),
 ///   std::string formula_text(const M&, const NumberText&)   as in models/kind/parameters.h
-///   const char* not_for_radiance                       if Radiance has no formula for it, its name in the error
 ///   bool matches(const ParameterReader&)                 true if the parameters are of this kind, by a name that no kind
 ///                                                      before it in `AnyModel` has
 ///   M from_parameters(ParameterReader&)                        the inverse of `parameters`

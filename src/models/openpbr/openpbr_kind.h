@@ -11,7 +11,6 @@ namespace SRBF_NAMESPACE {
 
 template <> struct Kind<OpenPbrModel> : KindOfNumbers<OpenPbrModel> {
     static constexpr std::string_view name = OpenPbrRequest::k_name, words = "surface of OpenPBR";
-    static constexpr const char* not_for_radiance = "a surface";
     static constexpr const auto& numbers = k_openpbr_parameters;
     static Safetensors content(const OpenPbrModel& model);
     static Result<OpenPbrModel> read(Safetensors& content, const std::string& file_name);

@@ -9,7 +9,6 @@ namespace SRBF_NAMESPACE {
 
 template <> struct Kind<SuModel> {
     static constexpr std::string_view name = "su", words = "view by view";
-    static constexpr const char* not_for_radiance = "one view by view";
     static Safetensors content(const SuModel& model);
     static Result<SuModel> read(Safetensors& content, const std::string& file_name);
     static double largest(const SuModel& model);

@@ -4,20 +4,18 @@
 #include <cstdlib>
 
 #include "brdf/directions.h"
+#include "code/offered_code.h"
 #include "compiled_code.h"
 #include "models.h"
+#include "models/openpbr/openpbr_functions.h"
 #include "srbf/prepared.h"
 #include "srbf/sampling.h"
 #include "statistics.h"
 #include "su_models.h"
 #ifdef SRBF_RASTER
-#include "code/offered_code.h"
 #include "compute.h"
 #include "extras/render/offscreen.h"
-#include "models/ggx/ggx_functions.h"
-#include "models/openpbr/openpbr_functions.h"
 #include "models/su/su_functions.h"
-#include "observe/observations.h"
 #endif
 
 namespace srbf::shading_code_test {

@@ -11,7 +11,7 @@
 #include "corpus.h"
 #include "measured/tables.h"
 #include "models.h"
-#include "models/ggx/ggx_functions.h"
+#include "models/ggx/ggx_kind.h"
 #include "models/su/su_functions.h"
 #include "one_target.h"
 #include "sampling/mixture.h"

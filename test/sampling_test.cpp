@@ -5,7 +5,7 @@
 #include <map>
 
 #include "models.h"
-#include "models/ggx/ggx_functions.h"
+#include "models/ggx/ggx_kind.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
 #include "models/su/su_functions.h"

@@ -7,7 +7,7 @@
 #include "code/offered_code.h"
 #include "compiled_code.h"
 #include "models.h"
-#include "models/openpbr/openpbr_functions.h"
+#include "models/openpbr/openpbr_kind.h"
 #include "srbf/prepared.h"
 #include "srbf/sampling.h"
 #include "statistics.h"

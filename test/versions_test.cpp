@@ -5,8 +5,8 @@
 
 #include "base/text.h"
 #include "models.h"
-#include "models/ggx/ggx_functions.h"
-#include "models/openpbr/openpbr_functions.h"
+#include "models/ggx/ggx_kind.h"
+#include "models/openpbr/openpbr_kind.h"
 #include "models/su/su_functions.h"
 #include "srbf/file.h"
 #include "srbf/load.h"

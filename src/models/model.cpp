@@ -12,7 +12,7 @@
 #include "models/kind/parameters.h"
 #include "models/kinds.h"
 #include "models/model_files.h"
-#include "models/openpbr/openpbr_functions.h"
+#include "models/openpbr/openpbr_kind.h"
 #include "models/pm/pm_functions.h"
 #include "srbf/file.h"
 

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <array>
 
+#include "base/errors.h"
 #include "brdf/parts.h"
 #include "code/added_code.h"
 #include "code/defined_names.h"
-#include "models/kinds.h"
+#include "models/kind/parameters.h"
 #include "srbf/elementary.h"
 
 namespace SRBF_NAMESPACE {
@@ -103,20 +104,13 @@ std::string cal_functions(const std::string& name, const GgxModel& model) {
     return text;
 }
 
-Result<std::string> cal_text(const std::string& name, const PmModel& model) { return cal_functions(name, model); }
-Result<std::string> cal_text(const std::string& name, const GgxModel& model) { return cal_functions(name, model); }
 Result<std::string> cal_text(const std::string& name, const BsdfModel& model);
-template <typename M> Result<std::string> cal_text(const std::string& name, const M&) {
-    return Error{name,
-                 {},
-                 "model for Radiance",
-                 "one of lobes, or Lambert and GGX",
-                 std::string(Kind<M>::words),
-                 ErrorCode::argument};
-}
-
 Result<std::string> cal_text(const std::string& name, const Model& model) {
-    return std::visit([&](const auto& kind) { return cal_text(name, kind); }, model.model);
+    if (const auto* bsdf = std::get_if<BsdfModel>(&model.model)) return cal_text(name, *bsdf);
+    if (const auto* pm = std::get_if<PmModel>(&model.model)) return cal_functions(name, *pm);
+    if (const auto* ggx = std::get_if<GgxModel>(&model.model)) return cal_functions(name, *ggx);
+    return argument_error(name, "model for Radiance", "one of lobes, or Lambert and GGX",
+                          std::string(kind_words(model)));
 }
 
 /// The call of a part's channel with Radiance's vectors, whose z has the opposite sign in a BSDF.

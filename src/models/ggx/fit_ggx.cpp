@@ -3,7 +3,6 @@
 #include "base/half.h"
 #include "base/least_squares.h"
 #include "base/parallel.h"
-#include "models/ggx/ggx_functions.h"
 #include "models/ggx/ggx_kind.h"
 #include "observe/pair_weights.h"
 #include "observe/surface_problem.h"

@@ -16,7 +16,7 @@ namespace SRBF_NAMESPACE {
 ///   bool matches(const ParameterReader&)                 true if the parameters are of this kind, by a name that no kind
 ///                                                      before it in `AnyModel` has
 ///   M from_parameters(ParameterReader&)                        the inverse of `parameters`
-/// A kind that is a list of numbers inherits most of these from `KindOfNumbers` (numbers.h).
+/// A kind that is a list of numbers inherits all of these that it does not have from `KindOfNumbers` (numbers.h).
 /// A kind that is fitted to observations alone also has, with R its request,
 ///   Result<Fitted<M>> fit(const Observations&, const R&, const FitConditions&, const ProgressToken&)
 template <typename M> struct Kind;
@@ -39,5 +39,9 @@ template <typename M> Result<M> as_stored(const M& model, const std::string& fil
     Safetensors content = Kind<M>::content(model);
     return Kind<M>::read(content, file_name);
 }
+/// `model`, a valid one, rounded as in its file.
+template <typename M>
+requires requires { Kind<M>::name; }
+M rounded(const M& model) { return *as_stored(model); }
 
 }  // namespace srbf

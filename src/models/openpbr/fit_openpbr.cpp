@@ -1,9 +1,9 @@
 
 #include "base/errors.h"
 #include "brdf/directions.h"
-#include "models/openpbr/openpbr_functions.h"
 #include "models/openpbr/openpbr_kind.h"
 #include "models/openpbr/openpbr_parameters.h"
+#include "observe/number_variables.h"
 #include "observe/pair_weights.h"
 #include "observe/surface_problem.h"
 
@@ -52,13 +52,8 @@ const OpenPbrParameter& parameter_of(const FittedParameter& row) {
     return *std::ranges::find(k_openpbr_parameters, row.name, &OpenPbrParameter::name);
 }
 
-/// A number of the surface as a variable x in [0, 1] of the search: x is the share of the range from `least` to the
-/// parameter's largest value. For a colour the share is x², which is closer to visible differences.
-struct OpenPbrVariable {
-    const OpenPbrParameter* parameter;
-    int channel;
-    float least;
-};
+using OpenPbrVariable = NumberVariable<OpenPbrModel>;
+using OpenPbrVariables = NumberVariables<OpenPbrModel>;
 /// `least_roughness` is the least α of lobes, the square of a surface's roughness.
 std::vector<OpenPbrVariable> make_variables(OpenPbrSurfaceKind kind, double least_roughness) {
     std::vector<OpenPbrVariable> all;
@@ -78,33 +73,6 @@ OpenPbrModel default_surface(OpenPbrSurfaceKind kind) {
     return model;
 }
 
-/// The variables of a search; other numbers of the surface are those of `fixed`.
-struct OpenPbrVariables {
-    std::vector<OpenPbrVariable> all;
-    OpenPbrModel fixed;
-
-    OpenPbrModel model(const Eigen::VectorXd& x) const {
-        OpenPbrModel model = fixed;
-        for (std::size_t i = 0; i < all.size(); ++i) {
-            const auto [parameter, c, least] = all[i];
-            const double root = x[Eigen::Index(i)], share = parameter->colour ? root * root : root;
-            for (int k = c; k < parameter->count(); ++k)  // of a grey colour the first channel alone is a variable
-                number(model, *parameter, k) = float(double(least) + share * double(parameter->most - least));
-        }
-        return model;
-    }
-    Eigen::VectorXd x_of(const OpenPbrModel& model) const {
-        Eigen::VectorXd x(Eigen::Index(all.size()));
-        for (std::size_t i = 0; i < all.size(); ++i) {
-            const auto [parameter, c, least] = all[i];
-            const double share =
-                std::max(double(number(model, *parameter, c) - least) / double(parameter->most - least), 0.0);
-            x[Eigen::Index(i)] = parameter->colour ? std::sqrt(share) : share;
-        }
-        return x;
-    }
-    Eigen::VectorXd most() const { return Eigen::VectorXd::Ones(Eigen::Index(all.size())); }
-};
 using OpenPbrProblem = SurfaceProblem<OpenPbrVariables>;
 
 /// An approximate diffuse colour: the albedo along the normal if it was observed, otherwise π times the mean value.
@@ -196,8 +164,7 @@ constexpr double k_invisible_loss = 0.01;     ///< no part is kept if the loss o
 
 /// Variables without those of the named parameters.
 std::vector<OpenPbrVariable> without(std::vector<OpenPbrVariable> variables, std::span<const std::string_view> names) {
-    std::erase_if(variables,
-                  [&](const OpenPbrVariable& x) { return std::ranges::count(names, x.parameter->name) > 0; });
+    std::erase_if(variables, [&](const OpenPbrVariable& x) { return std::ranges::count(names, x.member->name) > 0; });
     return variables;
 }
 std::vector<std::string_view> names_of(std::span<const FittedParameter> rows) {
@@ -327,7 +294,7 @@ class OpenPbrSearch {
 Result<Fitted<OpenPbrModel>> Kind<OpenPbrModel>::fit(const Observations& observations, const OpenPbrRequest& request,
                                                      const FitConditions& conditions, const ProgressToken& progress) {
     const StandardArithmetic mode;
-    if (const auto valid = validate(observations, openpbr_number_count(OpenPbrModel{})); !valid) return valid.error();
+    if (const auto valid = validate(observations, number_count(OpenPbrModel{})); !valid) return valid.error();
     OpenPbrSearch search(observations, request, conditions, progress);
     const auto solution = search.solve();
     if (!solution) return solution.error();

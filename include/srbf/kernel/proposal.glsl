@@ -76,25 +76,11 @@ SRBF_FN HalfVector half_vector(Vec3 wl, Vec3 wv, Stretch map) {
     return h;
 }
 
-// The density of wl = 2 (h . wv) h - wv [1/sr], with h above the horizon from the stretched lobe weighted by visibility
-// from wv.
-SRBF_FN Real half_vector_pdf(Vec3 wl, Vec3 wv, Real bandwidth, Stretch map, Real power) {
-    HalfVector h = half_vector(wl, wv, map);
-    GaussianProduct lobe = visible_lobe(stretched(wv, map), map.inverse, bandwidth, power);
-    return vmf_pdf(h.direction, lobe.centre, lobe.bandwidth) * h.factor;
-}
-
 // The light direction wl that a facet with the normal h, of any length, reflects to the viewer, also if it faces away
 // from the viewer. The result is the zero vector where h.z <= 0.
 SRBF_FN Vec3 light_of(Vec3 h, Vec3 wv) {
     Real twice = Real(2.0) * dot(h, wv) / max(dot(h, h), Real(1.0e-20));
     return select(Real(0.0) < h.z, Real(1.0), Real(0.0)) * (twice * h - wv);
-}
-
-// Samples half_vector_pdf. The result is the zero vector if there is no direction.
-SRBF_FN Vec3 sample_half_vector(Vec3 wv, Real bandwidth, Stretch map, Real power, Real u1, Real u2) {
-    GaussianProduct lobe = visible_lobe(stretched(wv, map), map.inverse, bandwidth, power);
-    return light_of(stretched(sample_vmf(lobe.centre, lobe.bandwidth, u1, u2), map), wv);
 }
 
 // Facets with GGX's distribution of normals, by the symmetric matrix M = ((xx, xy), (xy, yy)), whose eigenvalues are

@@ -232,11 +232,12 @@ MixtureProposal mixture_of(const Model& model, const CodeOptions& options) {
 std::string mixture_numbers_text(const MixtureProposal& mixture, const CodeOptions& options, Program& program,
                                  std::map<std::string, std::string>& defines) {
     const bool has_facets = mixture.facets.has_value();
-    Table nodes{fmt::format("The proposal, a row for each node: weights of lobes{}, stretch and power of two shapes{}.",
-                            has_facets ? " and facets" : "", has_facets ? ", the matrices of facets" : ""),
-                "mixture_numbers",
-                {},
-                has_facets ? k_node_numbers : MixtureProposal::k_lobes + k_shape_numbers};
+    Table nodes{
+        fmt::format("The proposal, a row for each node: weights of lobes{}, stretch and power of half vectors{}.",
+                    has_facets ? " and facets" : "", has_facets ? ", the matrices of facets" : ""),
+        "mixture_numbers",
+        {},
+        has_facets ? k_node_numbers : MixtureProposal::k_lobes + k_shape_numbers};
     for (std::size_t node = 0; options.sampling && node < MixtureProposal::k_nodes; ++node) {
         const std::vector<float> numbers = numbers_of(mixture, node, has_facets);
         nodes.numbers.insert(nodes.numbers.end(), numbers.begin(), numbers.end());

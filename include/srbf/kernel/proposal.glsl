@@ -139,7 +139,7 @@ SRBF_FN Real facets_pdf(Vec3 wl, Vec3 wv, Facets facets) {
 // direction, with lambda = 4, 16, 64, 256 and, for highlights narrower than any half-vector lobe, 8 4^6 and 8 4^7.
 // Directions of these lobes below the horizon are reflected to above it, so that no sample is lost.
 // Components of half vectors are 8 to 15: lobes with lambda = 8, 32, .. 8 4^7, stretched, and weighted by a power
-// of their visibility. The even and the odd ones have a stretch and a power each.
+// of their visibility.
 #define SRBF_PROPOSAL_LOBES 16
 #define SRBF_FIRST_HALF_VECTOR_LOBE 8
 // Where a view is between the nodes of a mixture, from 0 at the normal to 1 at cos(theta_v) = 0.1^4 and below.

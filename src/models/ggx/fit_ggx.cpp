@@ -15,6 +15,9 @@ namespace {
 
 constexpr std::size_t k_solved_rows = 16384;  ///< pairs for which initial models are solved
 constexpr double k_least_log = -10;           ///< log2 of k_least_roughness
+/// The number of times that weights adapt to the errors of the best initial model. With one, or with eight, errors of
+/// pictures of one material in five are 1 to 3 % larger.
+constexpr int k_initial_rounds = 2;
 
 /// log2 of the roughness of each lobe.
 using LogRoughness = std::vector<double>;
@@ -155,7 +158,7 @@ Result<Fitted<GgxModel>> Kind<GgxModel>::fit(const Observations& observations, c
         weighed.weight = observations.weight;
         weigh_large_errors(weighed, evaluator(model), k_most_facet_change);
     };
-    for (int i = 0; i < k_facet_rounds && adapts_weights; ++i) {
+    for (int i = 0; i < k_initial_rounds && adapts_weights; ++i) {
         weigh_by(candidates[0].model);
         candidates = solved(weighed, grid, conditions.threads);
     }

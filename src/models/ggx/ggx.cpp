@@ -70,22 +70,6 @@ Parameters Kind<GgxModel>::members(const GgxModel& model) {
     return {{"form", std::string("ggx")}, {"lobes", int(model.lobes.size())}, {"variates", 1}, {"axial", true}};
 }
 
-std::vector<Model> Kind<GgxModel>::terms(const GgxModel& model, std::size_t) {
-    GgxModel black = model;
-    black.diffuse = {};
-    for (GgxModel::Lobe& lobe : black.lobes) lobe.f0 = {}, lobe.f90 = 0;
-    std::vector<Model> all;
-    GgxModel diffuse = black;
-    diffuse.diffuse = model.diffuse;
-    all.push_back({diffuse, {}});
-    for (std::size_t i = 0; i < model.lobes.size(); ++i) {
-        GgxModel lobe = black;
-        lobe.lobes[i] = model.lobes[i];
-        all.push_back({lobe, {}});
-    }
-    return all;
-}
-
 std::string Kind<GgxModel>::formula_text(const GgxModel& model, const NumberText& number) {
     const auto colour = [&](const Rgb& rgb, const char* parameter, std::size_t i) {
         const std::string r = number(rgb.r, parameter, 3 * i), g = number(rgb.g, parameter, 3 * i + 1),

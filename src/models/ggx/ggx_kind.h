@@ -28,7 +28,6 @@ template <> struct Kind<GgxModel> : KindOfNumbers<GgxModel> {
     static std::string summary(const GgxModel& model);
     static void add_rows(std::string& text, const GgxModel& model);
     static Parameters members(const GgxModel& model);
-    static std::vector<Model> terms(const GgxModel& model, std::size_t most);
     static std::string formula_text(const GgxModel& model, const NumberText& number);
     static bool matches(const ParameterReader& reader) { return reader.has("f0"); }
     /// Minimises the loss of `SurfaceData`: Σ w |f−f̂|² over the observations, or that of pixels and pairs if pictures

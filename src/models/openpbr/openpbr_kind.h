@@ -18,7 +18,6 @@ template <> struct Kind<OpenPbrModel> : KindOfNumbers<OpenPbrModel> {
     static void add_rows(std::string& text, const OpenPbrModel& model);
     static Parameters members(const OpenPbrModel& model);
     static Parameters parameters(const OpenPbrModel& model);
-    static std::vector<Model> terms(const OpenPbrModel& model, std::size_t most);
     static std::string formula_text(const OpenPbrModel& model, const NumberText& number);
     static bool matches(const ParameterReader& reader) { return reader.has("base_color"); }
     static OpenPbrModel from_parameters(ParameterReader& reader);

@@ -18,7 +18,6 @@ template <> struct Kind<PmModel> {
     static void add_rows(std::string& text, const PmModel& model);
     static Parameters members(const PmModel& model);
     static Parameters parameters(const PmModel& model);
-    static std::vector<Model> terms(const PmModel& model, std::size_t most);
     static std::string formula_text(const PmModel& model, const NumberText& number);
     static bool matches(const ParameterReader& reader);
     static PmModel from_parameters(ParameterReader& reader);

@@ -8,6 +8,7 @@
 #include "code/print.h"
 #include "code/texts.h"
 #include "models/kind/parameters.h"
+#include "models/model_files.h"
 #include "sampling/elevation_nodes.h"
 #include "sampling/mixture.h"
 #include "srbf/prepared.h"
@@ -178,12 +179,6 @@ std::string brdf_of(const Model& model, CodeLanguage language, ParameterStorage 
     });
     if (!numbers.numbers.empty()) program.tables.push_back(std::move(numbers));
     return brdf_function(language, statements);
-}
-
-/// A model of lobe j alone, with coefficient 1.
-Model lobe_alone(PmModel basis, std::size_t j) {
-    basis.coefficient.assign(std::size_t(basis.lobes), Rgb{}), basis.coefficient[j] = {1, 1, 1};
-    return {std::move(basis), {}};
 }
 
 /// Directional albedos at the nodes. They are those of the model, whose values are the same on every processor,

@@ -128,10 +128,10 @@ Result<TexelMap> read_map(std::span<const std::byte> bytes, const std::string& f
                      ErrorCode::wrong_kind};
     TexelMap map;
     if (const auto taken = take_texels(*content, map, file_name); !taken) return taken.error();
-    const auto header = take_lobes_header(content->metadata, file_name);
-    if (!header) return header.error();
-    auto basis = decode_lobes(content->tensors, *header, file_name);
+    auto unused = content->metadata.extract("wavelengths");  // provenance, as coefficients are colours
+    auto basis = Kind<PmModel>::read(*content, file_name);
     if (!basis) return basis.error();
+    content->metadata.insert(std::move(unused));
     map.basis = *std::move(basis);
     map.width = map.count();
     if (auto width = content->metadata.extract("width")) {

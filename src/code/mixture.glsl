@@ -67,11 +67,11 @@ Vec3 sample_light(Vec3 wv, Real u1, Real u2, Real selector) {
 Real light_pdf(Vec3 wl, Vec3 wv) {
     if (!(Real(0.0) < wl.z && Real(0.0) < wv.z && dot(wl, wl) + dot(wv, wv) < Real(1.0e30))) return Real(0.0);
     NodesAbout nodes = mixture_nodes(wv);
-    ProposalPoint point = proposal_point(wl, wv, mixture_stretch(wv, nodes), mixture_power(nodes));
+    ProposalPoint at = proposal_point(wl, wv, mixture_stretch(wv, nodes), mixture_power(nodes));
     Real sum = Real(0.0);
     for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) {
         Real weight = mixture_between(k, nodes);
-        if (Real(0.0) < weight) sum = sum + weight * proposal_lobe_pdf(k, point);
+        if (Real(0.0) < weight) sum = sum + weight * proposal_lobe_pdf(k, at);
     }
     for (int k = SRBF_PROPOSAL_LOBES; k < MIXTURE_COMPONENTS; ++k)
         sum = sum + mixture_between(k, nodes) * facets_pdf(wl, wv, mixture_facets(k));

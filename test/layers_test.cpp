@@ -28,7 +28,7 @@ const std::vector<std::vector<std::string>> k_levels{
     {"src/models"},
     {"src/prepared", "src/fit", "src/edit", "src/any"},
     {"src/code", "src/code/runtime", "extras/maps", "extras/environment"},
-    {"extras/environment/code", "app"},
+    {"extras/daylight/code", "extras/environment/code", "app"},
     {"extras/render", "extras/maps/app"},
     {"extras/render/app"},
     {"extras/report", "extras/environment/app", "extras/optics", "extras/daylight", "extras/blender"},

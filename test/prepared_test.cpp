@@ -431,10 +431,7 @@ MixtureProposal random_mixture(std::mt19937_64& random, bool is_grain) {
         }
         for (float& w : row) w /= sum;
         proposal.set_weights(node, row);
-        for (HalfVectorShape& shape : proposal.shape[node]) {
-            shape.stretch = is_grain ? 4 : 0.3f + float(uniform(random));
-            shape.power = 0.5f + 3 * float(uniform(random));
-        }
+        proposal.shape[node] = {is_grain ? 4 : 0.3f + float(uniform(random)), 0.5f + 3 * float(uniform(random))};
     }
     return proposal;
 }
@@ -458,19 +455,14 @@ TEST_P(PreparedOn, DensityAndSamplesAgreeWithTheKernel) {
                 const Vec3f wv = to_float(random_direction(random_, 0.02)), u = draw3();
                 const Vec3d v = to_double(wv);
                 const auto weight = numbers_at(proposal, double(wv.z));
-                const auto map = [&](int lobe) {
-                    return D::stretch_along(is_grain ? Vec3d(0.6, 0.8, 0) : v,
-                                            weight[std::size_t(MixtureProposal::k_lobes + 2 * (lobe % 2))]);
-                };
-                const auto power = [&](int lobe) {
-                    return weight[std::size_t(MixtureProposal::k_lobes + 2 * (lobe % 2) + 1)];
-                };
+                const double stretch = weight[MixtureProposal::k_lobes], power = weight[MixtureProposal::k_lobes + 1];
+                const auto map = D::stretch_along(is_grain ? Vec3d(0.6, 0.8, 0) : v, stretch);
                 double remaining = double(u.z);
                 int k = 0;
                 while (k + 1 < MixtureProposal::k_lobes && remaining >= weight[std::size_t(k)])
                     remaining -= weight[std::size_t(k++)];
                 const Vec3f wl = sample(proposal, wv, {u.x, u.y}, u.z);
-                const Vec3d expected = D::sample_proposal_lobe(k, v, map(k), power(k), double(u.x), double(u.y));
+                const Vec3d expected = D::sample_proposal_lobe(k, v, map, power, double(u.x), double(u.y));
                 const Vec3d difference = to_double(wl) - expected;
                 different += !near(std::sqrt(dot(difference, difference)), 0, 2e-3);
                 const DirectionSample sample_and_pdf = sample_with_pdf(proposal, wv, {u.x, u.y}, u.z);
@@ -480,7 +472,7 @@ TEST_P(PreparedOn, DensityAndSamplesAgreeWithTheKernel) {
                 double density = 0;
                 for (int j = 0; j < MixtureProposal::k_lobes; ++j)
                     density += weight[std::size_t(j)] *
-                               D::proposal_lobe_pdf(j, D::proposal_point(to_double(wl), v, map(j), power(j)));
+                               D::proposal_lobe_pdf(j, D::proposal_point(to_double(wl), v, map, power));
                 EXPECT_TRUE(near_relative(double(pdf(proposal, wl, wv)), density, 2e-3)) << n << ' ' << k;
             }
             EXPECT_LE(different, 2);  // where rounding selects another lobe
@@ -491,7 +483,7 @@ TEST_P(PreparedOn, DensityAndSamplesAgreeWithTheKernel) {
 const std::vector<PreparedBrdf>& prepared_files() {
     static const std::vector<PreparedBrdf> list = [] {
         const auto models = std::filesystem::path(SRBF_SOURCE_DIR) / "test/models/1";
-        std::vector<std::filesystem::path> files{models / "su.srbf", models / "pm_horizon_axial.srbf",
+        std::vector<std::filesystem::path> files{models / "su_rotated.srbf", models / "pm_horizon_axial.srbf",
                                                  models / "ggx_two.srbf", models / "openpbr_brushed.srbf"};
         for (const auto& folder : {bundled_data(), bundled_data() / "gallery"})
             for (const auto& entry : std::filesystem::directory_iterator(folder))

@@ -33,8 +33,6 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
 Result<std::string> map_code(const TexelMap& map, std::string_view name, const CodeOptions& options,
                              const AddedCode& added);
 
-/// The lobes of a map with its mean coefficients.
-PmModel with_mean_coefficients(const TexelMap& map);
 /// The albedo for the view of a node; at the horizon, for a view just above it.
 Rgb albedo_of_node(const PreparedBrdf& brdf, double cosine);
 

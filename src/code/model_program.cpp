@@ -8,6 +8,7 @@
 #include "code/print.h"
 #include "code/texts.h"
 #include "models/kind/parameters.h"
+#include "models/model_files.h"
 #include "sampling/elevation_nodes.h"
 #include "sampling/mixture.h"
 #include "srbf/prepared.h"
@@ -180,12 +181,6 @@ std::string brdf_of(const Model& model, CodeLanguage language, ParameterStorage 
     return brdf_function(language, statements);
 }
 
-/// A model of lobe j alone, with coefficient 1.
-Model lobe_alone(PmModel basis, std::size_t j) {
-    basis.coefficient.assign(std::size_t(basis.lobes), Rgb{}), basis.coefficient[j] = {1, 1, 1};
-    return {std::move(basis), {}};
-}
-
 /// Directional albedos at the nodes. They are those of the model, whose values are the same on every processor,
 /// not of the faster functions for renderers.
 std::vector<Rgb> node_albedos(const Model& model) {
@@ -232,11 +227,12 @@ MixtureProposal mixture_of(const Model& model, const CodeOptions& options) {
 std::string mixture_numbers_text(const MixtureProposal& mixture, const CodeOptions& options, Program& program,
                                  std::map<std::string, std::string>& defines) {
     const bool has_facets = mixture.facets.has_value();
-    Table nodes{fmt::format("The proposal, a row for each node: weights of lobes{}, stretch and power of two shapes{}.",
-                            has_facets ? " and facets" : "", has_facets ? ", the matrices of facets" : ""),
-                "mixture_numbers",
-                {},
-                has_facets ? k_node_numbers : MixtureProposal::k_lobes + k_shape_numbers};
+    Table nodes{
+        fmt::format("The proposal, a row for each node: weights of lobes{}, stretch and power of half vectors{}.",
+                    has_facets ? " and facets" : "", has_facets ? ", the matrices of facets" : ""),
+        "mixture_numbers",
+        {},
+        has_facets ? k_node_numbers : MixtureProposal::k_lobes + k_shape_numbers};
     for (std::size_t node = 0; options.sampling && node < MixtureProposal::k_nodes; ++node) {
         const std::vector<float> numbers = numbers_of(mixture, node, has_facets);
         nodes.numbers.insert(nodes.numbers.end(), numbers.begin(), numbers.end());

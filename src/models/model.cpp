@@ -174,10 +174,6 @@ Parameters parameters(const Model& model) {
     return std::visit([](const auto& m) { return KindOf<decltype(m)>::parameters(m); }, model.model);
 }
 
-std::vector<Model> terms_of(const Model& model, std::size_t most) {
-    return std::visit([&](const auto& m) { return KindOf<decltype(m)>::terms(m, most); }, model.model);
-}
-
 std::string formula_text(const Model& model, const NumberText& number) {
     return std::visit([&](const auto& m) { return KindOf<decltype(m)>::formula_text(m, number); }, model.model);
 }

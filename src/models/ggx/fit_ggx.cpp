@@ -12,11 +12,117 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-constexpr std::size_t k_solved_rows = 16384;  ///< pairs for which initial models are solved
-constexpr double k_least_log = -10;           ///< log2 of k_least_roughness
+// For given roughness the model is linear in kd and F0_i of each channel and in F90_i of all channels. At an
+// observation their factors are
+//   1/π,  D G / (4 cosθl cosθv) (1 − s),  D G / (4 cosθl cosθv) s,  s = (1 − l·h)⁵,
+// the same for every channel, so that one small matrix of moments is sufficient.
+constexpr std::size_t k_block_rows = 4096;     ///< rows that a thread processes together
+constexpr std::size_t k_scanned_rows = 16384;  ///< rows on which the grid of roughness is scanned
 
 /// log2 of the roughness of each lobe.
 using LogRoughness = std::vector<double>;
+
+class GgxProblem {
+  public:
+    GgxProblem(const Observations& observations, std::size_t rows, int threads)
+        : observations_(observations), rows_(std::min(rows, observations.fitted_count())), threads_(threads) {
+        grazing_ = column([](Vec3f wl, Vec3f wv) { return Kernel<float>::schlick_weight(wl, wv); });
+    }
+
+    double loss(const LogRoughness& log_alpha) { return solve(log_alpha).loss; }
+
+    struct Solution {
+        GgxModel model;
+        double loss = 0;  ///< Σ w |f−f̂|²
+    };
+    Solution solve(const LogRoughness& log_alpha) {
+        const Eigen::MatrixXd sums = moments(log_alpha);
+        const auto L = log_alpha.size();
+        const auto terms = Eigen::Index(1 + 2 * L);
+        const auto n = Eigen::Index(3 + 4 * L);
+        // Unknowns: kd of R, G, B; then for each lobe F0 of R, G, B and F90.
+        const auto f0_index = [](std::size_t i, int c) { return Eigen::Index(3 + 4 * i) + c; };
+        const auto f90_index = [](std::size_t i) { return Eigen::Index(6 + 4 * i); };
+        Eigen::MatrixXd G = Eigen::MatrixXd::Zero(n, n);
+        Eigen::VectorXd g = Eigen::VectorXd::Zero(n);
+        for (int c = 0; c < 3; ++c) {
+            std::vector<Eigen::Index> unknown{c};
+            for (std::size_t i = 0; i < L; ++i) unknown.push_back(f0_index(i, c)), unknown.push_back(f90_index(i));
+            g(unknown) += sums.block(0, terms + c, terms, 1);
+            G(unknown, unknown) += sums.topLeftCorner(terms, terms);
+        }
+        const auto unbounded = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
+        const Eigen::VectorXd x = bounded_least_squares(G, g, unbounded);
+        Solution solution{{}, sums.diagonal().tail(3).sum() - 2 * g.dot(x) + x.dot(G * x)};
+        solution.model.diffuse = {float(x[0]), float(x[1]), float(x[2])};
+        for (std::size_t i = 0; i < L; ++i)
+            solution.model.lobes.push_back(
+                {float(elementary::exp2(log_alpha[i])),
+                 {float(x[f0_index(i, 0)]), float(x[f0_index(i, 1)]), float(x[f0_index(i, 2)])},
+                 float(x[f90_index(i)])});
+        return solution;
+    }
+
+  private:
+    template <typename Value> std::vector<float> column(const Value& value) const {
+        std::vector<float> values(rows_);
+        parallel_for_parts(rows_, k_block_rows, threads_, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t row = begin; row < end; ++row)
+                values[row] = value(observations_.wl[row], observations_.wv[row]);
+        });
+        return values;
+    }
+    /// D G / (4 cosθl cosθv) of each row.
+    const std::vector<float>& facets(double log_alpha) {
+        const auto entry = std::min(std::ranges::find(facets_, log_alpha, &Facets::log_alpha), facets_.end() - 1);
+        std::rotate(facets_.begin(), entry, entry + 1);
+        if (facets_[0].log_alpha != log_alpha) {
+            const auto alpha = float(elementary::exp2(log_alpha));
+            facets_[0] = {log_alpha,
+                          column([=](Vec3f wl, Vec3f wv) { return Kernel<float>::ggx_facets(wl, wv, alpha); })};
+        }
+        return facets_[0].values;
+    }
+
+    /// The inner products of the model's terms and of f's channels R, G, B, weighted by w.
+    Eigen::MatrixXd moments(const LogRoughness& log_alpha) {
+        const Eigen::Index terms = 1 + 2 * Eigen::Index(log_alpha.size());
+        std::array<const float*, k_most_ggx_lobes> lobe_facets{};
+        for (std::size_t i = 0; i < log_alpha.size(); ++i) lobe_facets[i] = facets(log_alpha[i]).data();
+        std::vector<Eigen::MatrixXd> parts(part_count(rows_, k_block_rows));
+        parallel_for_parts(rows_, k_block_rows, threads_, [&](std::size_t begin, std::size_t end) {
+            Eigen::MatrixXd columns(terms + 3, Eigen::Index(end - begin));
+            for (std::size_t row = begin; row < end; ++row) {
+                auto t = columns.col(Eigen::Index(row - begin));
+                t[0] = 1 / k_pi;
+                for (std::size_t i = 0; i < log_alpha.size(); ++i) {
+                    const auto factor = double(lobe_facets[i][row]), s = double(grazing_[row]);
+                    t.segment(Eigen::Index(1 + 2 * i), 2) << factor * (1 - s), factor * s;
+                }
+                const Rgb& f = observations_.f[row];
+                t.tail(3) << double(f.r), double(f.g), double(f.b);
+                t *= std::sqrt(observations_.weight[row]);
+            }
+            parts[begin / k_block_rows] = columns * columns.transpose();
+        });
+        Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(terms + 3, terms + 3);
+        for (const Eigen::MatrixXd& part : parts) sums += part;
+        return sums;
+    }
+
+    const Observations& observations_;
+    std::size_t rows_;
+    int threads_;
+    std::vector<float> grazing_;  ///< s of each row
+    struct Facets {
+        double log_alpha = 1;  ///< 1 for an unused entry, since roughness is at most 1
+        std::vector<float> values;
+    };
+    std::array<Facets, 4>
+        facets_;  ///< a cache of the last values of roughness, of which a search changes one at a time
+};
+
+constexpr double k_least_log = -10;  ///< log2 of k_least_roughness
 
 /// The roughness of all lobes on a grid of half octaves from `least_log` on. The first of two lobes is the narrower one.
 std::vector<LogRoughness> roughness_grid(int lobes, double least_log) {
@@ -31,62 +137,35 @@ std::vector<LogRoughness> roughness_grid(int lobes, double least_log) {
     return grid;
 }
 
-/// A model with its Σ w |f − f̂|².
-using GgxCandidate = SurfaceCandidate<GgxModel>;
+/// The best roughness of the grid. Empty if no loss is finite.
+LogRoughness scan(GgxProblem& problem, int lobes, double least_log) {
+    LogRoughness best;
+    double least = std::numeric_limits<double>::infinity();
+    for (const LogRoughness& log_alpha : roughness_grid(lobes, least_log))
+        if (const double loss = problem.loss(log_alpha); loss < least) least = loss, best = log_alpha;
+    return best;
+}
 
-/// The best model of this roughness for the first pairs. It is linear in kd and F0_i of each channel and in F90_i of all
-/// channels, whose factors are the same for every channel:
-///   1/π,  D G / (4 cosθl cosθv) (1 − s),  D G / (4 cosθl cosθv) s,  s = (1 − l·h)⁵.
-GgxCandidate solved(const Observations& observations, std::size_t most_rows, const LogRoughness& log_alpha) {
-    using K = Kernel<float>;
-    const std::size_t L = log_alpha.size();
-    const auto terms = Eigen::Index(1 + 2 * L), n = Eigen::Index(3 + 4 * L);
-    Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(terms + 3, terms + 3);
-    Eigen::VectorXd t(terms + 3);
-    t[0] = 1 / k_pi;
-    for (std::size_t row = 0; row < std::min(observations.fitted_count(), most_rows); ++row) {
-        const Vec3f wl = observations.wl[row], wv = observations.wv[row];
-        const auto s = double(K::schlick_weight(wl, wv));
-        for (std::size_t i = 0; i < L; ++i) {
-            const auto facets = double(K::ggx_facets(wl, wv, float(elementary::exp2(log_alpha[i]))));
-            t.segment(Eigen::Index(1 + 2 * i), 2) << facets * (1 - s), facets * s;
+/// Moves to the neighbour that lowers the loss, or else halves the step (Hooke & Jeeves 1961).
+void refine(GgxProblem& problem, LogRoughness& log_alpha, double least_log) {
+    double least = problem.loss(log_alpha);
+    for (double step = 0.25; step > 1e-4; step /= 2)
+        for (bool lowered = true; lowered;) {
+            lowered = false;
+            for (double& x : log_alpha)
+                for (const double next : {x - step, x + step}) {
+                    const double previous = x;
+                    x = std::clamp(next, least_log, 0.0);
+                    const double loss = problem.loss(log_alpha);
+                    if (loss < least)
+                        least = loss, lowered = true;
+                    else
+                        x = previous;
+                }
         }
-        const Rgb& f = observations.f[row];
-        t.tail(3) << double(f.r), double(f.g), double(f.b);
-        sums += observations.weight[row] * t * t.transpose();
-    }
-    // Unknowns: kd of R, G, B; then for each lobe F0 of R, G, B and F90.
-    const auto f0_index = [](std::size_t i, int c) { return Eigen::Index(3 + 4 * i) + c; };
-    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(n, n);
-    Eigen::VectorXd g = Eigen::VectorXd::Zero(n);
-    for (int c = 0; c < 3; ++c) {
-        std::vector<Eigen::Index> unknown{c};
-        for (std::size_t i = 0; i < L; ++i) unknown.insert(unknown.end(), {f0_index(i, c), f0_index(i, 3)});
-        g(unknown) += sums.block(0, terms + c, terms, 1);
-        G(unknown, unknown) += sums.topLeftCorner(terms, terms);
-    }
-    const auto unbounded = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
-    const Eigen::VectorXd x = bounded_least_squares(G, g, unbounded);
-    GgxCandidate solution{{{float(x[0]), float(x[1]), float(x[2])}, {}},
-                          sums.diagonal().tail(3).sum() - 2 * g.dot(x) + x.dot(G * x)};
-    for (std::size_t i = 0; i < L; ++i) {
-        const Eigen::Index f0 = f0_index(i, 0);
-        solution.model.lobes.push_back({float(elementary::exp2(log_alpha[i])),
-                                        {float(x[f0]), float(x[f0 + 1]), float(x[f0 + 2])},
-                                        float(x[f0 + 3])});
-    }
-    return solution;
 }
 
-/// The solutions for each roughness of the grid, in order of their loss.
-std::vector<GgxCandidate> solved(const Observations& observations, std::span<const LogRoughness> grid, int threads) {
-    std::vector<GgxCandidate> all(grid.size());
-    parallel_for(grid.size(), threads, [&](std::size_t i) { all[i] = solved(observations, k_solved_rows, grid[i]); });
-    std::ranges::stable_sort(all, {}, &GgxCandidate::loss);
-    return all;
-}
-
-/// Variables of a search: roots of coefficients, and log2 of the roughness as a share of its range.
+/// Variables of a search by pictures: roots of coefficients, and log2 of the roughness as a share of its range.
 struct GgxVariables {
     double least_log;
     std::size_t lobes;
@@ -128,9 +207,28 @@ struct GgxVariables {
 /// the RMS of radiance is up to twice as large.
 constexpr double k_pair_share = 0.3;
 
-constexpr SurfaceRound k_pixel_rounds[] = {{210, 8, 0}, {24, 4, 12}, {6, 1, 40}};
-/// Initial models are solved for pairs, so that the best of them need few steps.
-constexpr SurfaceRound k_pair_rounds[] = {{2, 1, 20}};
+/// The model with the least loss of pixels and pairs, starting from `solved`, the best model by pairs, and from the best
+/// by pairs at each roughness of the grid.
+Result<Fitted<GgxModel>> fit_pixels(const Observations& observations, GgxProblem& pairs, const GgxModel& solved,
+                                    double least_log, int threads, const ProgressToken& progress) {
+    const GgxVariables variables{least_log, solved.lobes.size(), observations.is_grey()};
+    std::vector<SurfaceCandidate<GgxModel>> candidates{{solved}};
+    for (const LogRoughness& log_alpha : roughness_grid(int(solved.lobes.size()), least_log))
+        candidates.push_back({pairs.solve(log_alpha).model});
+    const auto variables_of = [&](const GgxModel&) { return variables; };
+    double done = 0.5;
+    std::optional<SurfaceData> data;
+    for (const SurfaceRound& round : {SurfaceRound{candidates.size(), 8, 0}, {24, 4, 12}, {6, 1, 40}}) {
+        if (!progress.report("fitting pixels", done)) return cancelled_error("fit");
+        data.emplace(observations, round.n).add_pairs(observations, round.n, evaluator(solved), k_pair_share);
+        lower(candidates, round, *data, variables_of, threads);
+        done += 0.15;
+    }
+    SurfaceProblem problem(*data, variables);
+    const auto& [best, loss] = candidates[0];
+    const GgxModel model = rounded(best);
+    return Fitted<GgxModel>{model, best, problem.loss(model), loss};
+}
 
 }  // namespace
 
@@ -140,56 +238,35 @@ Result<Fitted<GgxModel>> Kind<GgxModel>::fit(const Observations& observations, c
     if (const auto valid = validate(observations, std::size_t(3 + 5 * request.lobes)); !valid) return valid.error();
     if (request.lobes < 1 || request.lobes > k_most_ggx_lobes)
         return Error{"fit", {}, "number of lobes", "1 or 2", std::to_string(request.lobes), ErrorCode::argument};
+    Observations weighed = observations;
+    GgxProblem sample(weighed, k_scanned_rows, conditions.threads), all(weighed, weighed.f.size(), conditions.threads);
     // Below α = 1/2, so that the grid has values for two lobes.
     const double least_log =
         std::clamp(elementary::log2(std::max(observations.least_roughness, 1e-9)), k_least_log, -1.0);
-    const std::vector<LogRoughness> grid = roughness_grid(request.lobes, least_log);
-    const GgxVariables variables{least_log, std::size_t(request.lobes), observations.is_grey()};
-    const auto variables_of = [&](const GgxModel&) { return variables; };
     if (!progress.report("scanning roughness", 0)) return cancelled_error("fit");
-    Observations weighed = observations;
-    std::vector<GgxCandidate> candidates = solved(weighed, grid, conditions.threads);
-    const bool adapts_weights = traits(observations.objective).response;
-    const auto weigh_by = [&](const GgxModel& model) {
+    LogRoughness log_alpha = scan(sample, request.lobes, least_log);
+    if (!progress.report("refining roughness", 0.2)) return cancelled_error("fit");
+    refine(all, log_alpha, least_log);
+    for (int round = 0; round < k_facet_rounds && traits(observations.objective).response; ++round) {
+        const GgxModel model = all.solve(log_alpha).model;
         weighed.weight = observations.weight;
         weigh_large_errors(weighed, evaluator(model), k_most_facet_change);
-    };
-    for (int i = 0; i < k_facet_rounds && adapts_weights; ++i) {
-        weigh_by(candidates[0].model);
-        candidates = solved(weighed, grid, conditions.threads);
+        if (!progress.report("refining roughness", 0.3 + 0.2 * round / k_facet_rounds)) return cancelled_error("fit");
+        if (round == 0) log_alpha = scan(sample, request.lobes, least_log);
+        refine(all, log_alpha, least_log);
     }
-    const Evaluate initial = evaluator(GgxModel(candidates[0].model));
-    const auto data = [&](std::size_t n) {
-        SurfaceData made(weighed, n);
-        if (!observations.views.empty()) made.add_pairs(weighed, n, initial, k_pair_share);
-        return made;
-    };
-    const bool is_by_pairs = observations.views.empty();
-    double done = 0.4;
-    for (const SurfaceRound& round : is_by_pairs ? std::span<const SurfaceRound>(k_pair_rounds) : k_pixel_rounds) {
-        if (!progress.report("searching parameters", done += 0.15)) return cancelled_error("fit");
-        lower(candidates, round, data(round.n), variables_of, conditions.threads);
-    }
-    candidates.resize(1);
-    for (int i = 0; i < k_facet_rounds && adapts_weights && is_by_pairs; ++i) {
-        weigh_by(candidates[0].model);
-        lower(candidates, k_pair_rounds[0], data(1), variables_of, conditions.threads);
-    }
-    const SurfaceData all = data(1);
-    Fitted<GgxModel> fit{{}, candidates[0].model};
-    fit.model = rounded(fit.unrounded);
-    if (is_by_pairs) {  // coefficients adapt to the rounded roughness
-        const auto adapted = [&](const GgxModel& model) {
-            LogRoughness log_alpha;
-            for (const GgxModel::Lobe& lobe : model.lobes)
-                log_alpha.push_back(elementary::log2(double(lobe.roughness)));
-            return solved(weighed, weighed.f.size(), log_alpha).model;
-        };
-        fit.unrounded = adapted(fit.unrounded);
-        fit.model = rounded(adapted(fit.model));
-    }
-    SurfaceProblem problem(all, variables);
-    fit.loss = problem.loss(fit.model), fit.unrounded_loss = problem.loss(fit.unrounded);
+    if (log_alpha.empty()) return Error{"fit", {}, "loss of every roughness", "a finite number", "none"};
+    if (!observations.views.empty())
+        return fit_pixels(weighed, sample, all.solve(log_alpha).model, least_log, conditions.threads, progress);
+    Fitted<GgxModel> fit;
+    auto [unrounded, unrounded_loss] = all.solve(log_alpha);
+    fit.unrounded = std::move(unrounded);
+    fit.unrounded_loss = unrounded_loss;
+    // Rounds roughness, then solves for the other parameters again.
+    for (double& x : log_alpha) x = elementary::log2(double(round_to_half(float(elementary::exp2(x)))));
+    auto [model, loss] = all.solve(log_alpha);
+    fit.model = rounded(model);
+    fit.loss = loss;
     return fit;
 }
 

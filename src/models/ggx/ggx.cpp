@@ -28,22 +28,6 @@ std::string Kind<GgxModel>::summary(const GgxModel& model) {
     return fmt::format("ggx, {} and Lambert", model.lobes.size() == 1 ? "one lobe" : "two lobes");
 }
 
-std::vector<Model> Kind<GgxModel>::terms(const GgxModel& model, std::size_t) {
-    GgxModel black = model;
-    black.diffuse = {};
-    for (GgxModel::Lobe& lobe : black.lobes) lobe.f0 = {}, lobe.f90 = 0;
-    std::vector<Model> all;
-    GgxModel diffuse = black;
-    diffuse.diffuse = model.diffuse;
-    all.push_back({diffuse, {}});
-    for (std::size_t i = 0; i < model.lobes.size(); ++i) {
-        GgxModel lobe = black;
-        lobe.lobes[i] = model.lobes[i];
-        all.push_back({lobe, {}});
-    }
-    return all;
-}
-
 std::string Kind<GgxModel>::formula_text(const GgxModel& model, const NumberText& number) {
     const auto& [diffuse, roughness, f0, f90] = numbers;
     constexpr std::array<const char*, k_most_ggx_lobes> names{"first", "second"};

@@ -28,11 +28,13 @@ template <> struct Kind<GgxModel> : KindOfNumbers<GgxModel> {
                    Vec3f wl, Vec3f wv) { return Kernel<float>::ggx_value(diffuse, first, second, wl, wv); };
     }
     static std::string summary(const GgxModel& model);
-    static std::vector<Model> terms(const GgxModel& model, std::size_t most);
     static std::string formula_text(const GgxModel& model, const NumberText& number);
-    /// Minimises the loss of `SurfaceData`: Σ w |f−f̂|² over the observations, or that of pixels and pairs if pictures
-    /// are observed. The search starts from a grid of half octaves of roughness, for which all other parameters solve a
-    /// non-negative linear problem; no roughness is below the observations' least. Albedos and bound pairs are not used.
+    /// Minimises Σ w |f−f̂|² over the observations. For given roughness all other parameters solve a non-negative
+    /// linear problem. Roughness is optimised by pattern search from the best values on a grid of half octaves, which
+    /// is evaluated on a subset; no roughness is below the observations' least. The loss of `model` is that before the
+    /// linear parameters are rounded. If pictures are observed, all parameters are then optimised for the loss of
+    /// `SurfaceData` with pixels and pairs, from this solution and from the best of the grid. Albedos and bound pairs
+    /// are not used.
     /// Errors: options out of range, fewer observations than parameters, values that are not finite; cancelled.
     static Result<Fitted<GgxModel>> fit(const Observations& observations, const GgxRequest& request = {},
                                         const FitConditions& conditions = {}, const ProgressToken& progress = {});

@@ -11,8 +11,8 @@ namespace SRBF_NAMESPACE {
 ///   Result<M> read(Safetensors&, const std::string& file_name)   the inverse; removes the metadata that it reads
 ///   double largest(const M&)                           the largest number before `content` clamps it to 65504
 ///   std::string summary(const M&), void add_rows(std::string& text, const M&), Parameters members(const M&),
-///   Parameters parameters(const M&), std::vector<Model> terms(const M&, std::size_t most),
-///   std::string formula_text(const M&, const NumberText&)   as in models/kind/parameters.h
+///   Parameters parameters(const M&), std::string formula_text(const M&, const NumberText&)   as in
+///                                                      models/kind/parameters.h
 ///   bool matches(const ParameterReader&)                 true if the parameters are of this kind, by a name that no kind
 ///                                                      before it in `AnyModel` has
 ///   M from_parameters(ParameterReader&)                        the inverse of `parameters`

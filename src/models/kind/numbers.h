@@ -173,7 +173,6 @@ template <typename M> struct KindOfNumbers {
                 {"axial", is_isotropic(model)},
                 {"parameters", std::move(numbers)}};
     }
-    static std::vector<Model> terms(const M& model, std::size_t) { return {{model, {}}}; }
     /// A member in code: "x", or "Vec3(r, g, b)".
     template <typename Lobe>
     static std::string text_of(const M& model, const Member<M, Lobe>& of, const NumberText& text,

@@ -57,17 +57,6 @@ OpenPbrModel Kind<OpenPbrModel>::from_parameters(ParameterReader& reader) {
     return model;
 }
 
-std::vector<Model> Kind<OpenPbrModel>::terms(const OpenPbrModel& model, std::size_t) {
-    std::vector<Model> all{{model, {}}};
-    for (float OpenPbrModel::*const weight : {&OpenPbrModel::fuzz_weight, &OpenPbrModel::coat_weight}) {
-        OpenPbrModel less = std::get<OpenPbrModel>(all.back().model);
-        if (less.*weight == 0) continue;
-        less.*weight = 0;
-        all.push_back({less, {}});
-    }
-    return all;
-}
-
 std::string Kind<OpenPbrModel>::formula_text(const OpenPbrModel& model, const NumberText& number) {
     std::string text = "    OpenPbrSurface of;\n";
     const auto set = [&](const std::string& member, float x, std::string_view parameter) {

@@ -19,7 +19,6 @@ template <> struct Kind<OpenPbrModel> : KindOfNumbers<OpenPbrModel> {
     static Result<OpenPbrModel> read(Safetensors& content, const std::string& file_name);
     static void add_rows(std::string& text, const OpenPbrModel& model);
     static Parameters parameters(const OpenPbrModel& model);
-    static std::vector<Model> terms(const OpenPbrModel& model, std::size_t most);
     static std::string formula_text(const OpenPbrModel& model, const NumberText& number);
     static OpenPbrModel from_parameters(ParameterReader& reader);
     /// Minimises the mean of ρ(ΔE_ITP) over the pixels of the observed pictures. If there are none, minimises Σ w

@@ -16,7 +16,6 @@ template <> struct Kind<SuModel> {
     static void add_rows(std::string& text, const SuModel& model);
     static Parameters members(const SuModel& model);
     static Parameters parameters(const SuModel& model);
-    static std::vector<Model> terms(const SuModel& model, std::size_t most);
     static std::string formula_text(const SuModel& model, const NumberText& number);
     static bool matches(const ParameterReader& reader);
     static SuModel from_parameters(ParameterReader& reader);

@@ -97,17 +97,6 @@ SuModel Kind<SuModel>::from_parameters(ParameterReader& reader) {
     return model;
 }
 
-std::vector<Model> Kind<SuModel>::terms(const SuModel& model, std::size_t most) {
-    std::vector<Model> all;
-    for (int j = 0; j < model.lobes && all.size() < most; ++j) {
-        SuModel one = model;
-        for (std::size_t i = 0; i < one.coefficient.size(); ++i)
-            if (int(i % std::size_t(model.lobes)) != j) one.coefficient[i] = {};
-        all.emplace_back().model = std::move(one);
-    }
-    return all;
-}
-
 std::string Kind<SuModel>::formula_text(const SuModel& model, const NumberText&) {
     return fmt::format("    Su su;\n    return su_rotated_value(su, {});\n",
                        model.discretise == Discretise::view ? "wl, wv" : "wv, wl");

@@ -186,7 +186,7 @@ std::vector<TextKind> text_kinds() {
              [=](const auto& asked, const auto& map, auto& name) { return map_code(map, name, options(asked)); }});
     }
     for (const CodeModule& row : code_modules()) {
-        TextKind kind{std::string(row.name), std::string(row.summary), true,
+        TextKind kind{std::string(row.name), std::string(row.summary), row.of_parts,
                       [=](const auto&, const auto& models, auto& prefix) { return row.text(models, prefix, 0); }};
         kind.has_texture = row.map_text != nullptr;
         if (kind.has_texture)
@@ -195,9 +195,6 @@ std::vector<TextKind> text_kinds() {
             };
         kinds.push_back(std::move(kind));
     }
-    kinds.push_back({"radiance",
-                     "a .cal with functions NAME(ix,iy,iz,ox,oy,oz) of each model, as bsdf2ttree -f takes them", false,
-                     [](const auto&, const auto& models, auto&) { return radiance_text(models); }});
     for (const std::string_view name : k_surface_files)
         kinds.push_back({std::string(name), "", false,
                          [](const auto& asked, const auto& models, auto&) { return surface(asked, models); }});

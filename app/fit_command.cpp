@@ -29,8 +29,8 @@ struct GivenOptions {
 void add_files(const Subcommand& sub, FitCommand& command, GivenOptions& options) {
     options.input =
         sub.add_option("INPUT", command.inputs,
-                       "The measurement: a table of MERL's, RGL's, UTIA's or MDL's layout, scattered samples,\n"
-                       "or BSDF XML of WINDOW and Radiance; several of them with a folder for the models or --as-one")
+                       "The measurement, in a format that srbf --help names; several of them with a folder for the\n"
+                       "models or --as-one")
             .type_name("")
             .required();
     options.output =

@@ -6,7 +6,7 @@
 #include "base/errors.h"
 #include "base/printable.h"
 #include "brdf/values.h"
-#include "models/openpbr/openpbr_functions.h"
+#include "models/openpbr/openpbr_kind.h"
 #include "models/openpbr/openpbr_parameters.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"

@@ -9,7 +9,7 @@
 
 #include "brdf/directions.h"
 #include "measured/tables.h"
-#include "models/ggx/ggx_functions.h"
+#include "models/ggx/ggx_kind.h"
 #include "one_target.h"
 #include "srbf/measured.h"
 #include "srbf/model.h"

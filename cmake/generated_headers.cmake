@@ -25,10 +25,10 @@ function(embedded header)
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/shaders/${header} CONTENT "${texts}}  // namespace srbf\n" @ONLY)
 endfunction()
 
-# extras_listed(HEADER FILE NOUN TYPE): writes a header with the array k_extra_NOUN of all k_NAME_NOUN in the FILEs
-# of extras.
-function(extras_listed header file noun type)
-  set(included "")
+# extras_listed(HEADER FILE NOUN TYPE INCLUDE): writes a header with the array k_extra_NOUN of all k_NAME_NOUN in the
+# FILEs of extras. INCLUDE has TYPE.
+function(extras_listed header file noun type include)
+  set(included "#include \"${include}\"\n")
   set(names "")
   set(count 0)
   foreach(extra IN LISTS format_extras)

@@ -3,7 +3,7 @@
 #include "compiled_code.h"
 #include "models.h"
 #include "models/bsdf/bsdf_functions.h"
-#include "models/ggx/ggx_functions.h"
+#include "models/ggx/ggx_kind.h"
 #include "srbf/brdf.h"
 #include "srbf/shading_code.h"
 #include "statistics.h"

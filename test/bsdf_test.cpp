@@ -3,7 +3,7 @@
 #include "brdf/parts.h"
 #include "models.h"
 #include "models/bsdf/bsdf_functions.h"
-#include "models/ggx/ggx_functions.h"
+#include "models/ggx/ggx_kind.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"

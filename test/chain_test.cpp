@@ -5,7 +5,7 @@
 #include "command.h"
 #include "models.h"
 #include "models/bsdf/bsdf_functions.h"
-#include "models/ggx/ggx_functions.h"
+#include "models/ggx/ggx_kind.h"
 #include "srbf/file.h"
 #include "su_models.h"
 

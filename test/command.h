@@ -51,7 +51,7 @@ inline std::map<std::string, Arguments> long_options(const TemporaryFolder& fold
 inline bool is_offered(const Arguments& arguments) {
     static const std::set<std::string> extras{"render",       "map",   "report",  "html",        "exr",
                                               "dds",          "three", "area",    "environment", "environment-draws",
-                                              "three-webgpu", "unity", "blender", "osl"};
+                                              "three-webgpu", "unity", "blender", "osl",         "radiance"};
     static const std::set<std::string> offered = [] {
         std::string text = run(TemporaryFolder(), {"completion", "bash"}).out;
         std::ranges::replace(text, '\'', ' ');

@@ -6,7 +6,7 @@
 #include "command.h"
 #include "errors/measures.h"
 #include "models.h"
-#include "models/openpbr/openpbr_functions.h"
+#include "models/openpbr/openpbr_kind.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"

@@ -10,7 +10,7 @@
 #include "errors/picture_errors.h"
 #include "fit/cross_validated_fits.h"
 #include "fit/request_traits.h"
-#include "models/ggx/ggx_functions.h"
+#include "models/ggx/ggx_kind.h"
 #include "models/pm/pm_functions.h"
 #include "properties.h"
 #include "samples/facets.h"

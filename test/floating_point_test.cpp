@@ -29,7 +29,7 @@
 #include "brdf/values.h"
 #include "extras/render/environment.h"
 #include "extras/render/mesh.h"
-#include "models/ggx/ggx_functions.h"
+#include "models/ggx/ggx_kind.h"
 #endif
 
 namespace srbf {

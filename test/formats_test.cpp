@@ -6,7 +6,7 @@
 #include "measured_files.h"
 #include "models.h"
 #include "models/bsdf/bsdf_functions.h"
-#include "models/ggx/ggx_functions.h"
+#include "models/ggx/ggx_kind.h"
 #include "program.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"

@@ -1,6 +1,5 @@
 // Lambert and GGX: the formula and its fit. Its file: versions_test.cpp.
 #include "brdf/directions.h"
-#include "models/ggx/ggx_functions.h"
 #include "models/ggx/ggx_kind.h"
 #include "observe/pair_weights.h"
 #include "observe/surface_problem.h"

@@ -22,23 +22,24 @@ const std::vector<std::vector<std::string>> k_levels{
     {"src/brdf"},
     {"src/errors", "src/measured", "src/sampling", "src/models/kind"},
     {"src/measured/formats", "src/observe", "src/models/bsdf", "src/models/pm"},
-    {"src/models/ggx", "src/models/openpbr", "src/models/pm/solve"},
+    {"src/models/*", "src/models/pm/solve"},
     {"src/models/pm/search", "src/models/su"},
     {"src/samples"},
     {"src/models"},
     {"src/prepared", "src/fit", "src/edit", "src/any"},
     {"src/code", "src/code/runtime", "extras/maps", "extras/environment"},
-    {"extras/environment/code", "app"},
+    {"extras/daylight/code", "extras/environment/code", "app"},
     {"extras/render", "extras/maps/app"},
     {"extras/render/app"},
     {"extras/report", "extras/environment/app", "extras/optics", "extras/daylight", "extras/blender"},
     {"extras/blender/app"},
 };
 
-/// The level of a file's folder; −1: none.
+/// The level of a file's folder, or of "*" beside it; −1: none.
 int level_of(const fs::path& path) {
-    for (std::size_t level = 0; level < k_levels.size(); ++level)
-        if (std::ranges::find(k_levels[level], path.parent_path().string()) != k_levels[level].end()) return int(level);
+    for (const fs::path& folder : {path.parent_path(), path.parent_path().parent_path() / "*"})
+        for (std::size_t level = 0; level < k_levels.size(); ++level)
+            if (std::ranges::count(k_levels[level], folder.string()) > 0) return int(level);
     return -1;
 }
 /// An extra has public headers of its own, for its own files and for programs.

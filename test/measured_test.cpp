@@ -135,8 +135,7 @@ TEST(DamagedInput, HasPlainMessages) {
         return measured ? "" : message(measured.error());
     };
     EXPECT_EQ(message_for({}), "f: unknown format: expected " + names_of_formats() + ", found an empty file");
-    EXPECT_TRUE(names_of_formats().starts_with("RGL, MBSDF, MERL, "));
-    EXPECT_TRUE(names_of_formats().ends_with("ALTA, ASTM E1392, Cornell, CSV or UTIA"));
+    EXPECT_TRUE(names_of_formats().starts_with("RGL, ") && names_of_formats().ends_with(" or UTIA"));
     EXPECT_NE(message_for(as_bytes("theta phi\n1 2\n")).find("unknown format"), std::string::npos);
 
     Bytes truncated = merl_file({90, 90, 180}, [](int, int, int, int) { return 0.1; });

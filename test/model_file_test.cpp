@@ -348,7 +348,7 @@ TEST(ModelFile, InvalidWavelengths) {
 
 SuModel small_su(int index) {
     std::mt19937_64 random(4);
-    SuModel model = random_su(random, 8, 2, index == 1);
+    SuModel model = random_su(random, 8, 2);
     if (index > 0) model.index = index_texture(model, index == 1 ? DirectionMap::cube : DirectionMap::parabolic, 2);
     return model;
 }

@@ -2,7 +2,7 @@
 #pragma once
 #include "base/half.h"
 #include "models/bsdf/bsdf_functions.h"
-#include "models/ggx/ggx_functions.h"
+#include "models/ggx/ggx_kind.h"
 #include "models/model_files.h"
 #include "models/pm/pm_functions.h"
 #include "properties.h"

@@ -1,8 +1,8 @@
 // Models with the parameters of renderers' surfaces: the formula, the file, the fit.
 #include "brdf/directions.h"
 #include "errors/picture_errors.h"
-#include "models/ggx/ggx_functions.h"
-#include "models/openpbr/openpbr_functions.h"
+#include "models/ggx/ggx_kind.h"
+#include "models/openpbr/openpbr_kind.h"
 #include "models/openpbr/openpbr_kernel.h"
 #include "models/openpbr/openpbr_kind.h"
 #include "models/openpbr/openpbr_parameters.h"
@@ -227,7 +227,7 @@ TEST(Pbr, DamagedFilesAreRejected) {
             flipped[i] = std::byte(0xc4);  // about −4, which is invalid for every parameter
             rejected += !read_model(flipped, "a").ok();
         }
-        EXPECT_EQ(rejected, int(openpbr_number_count(model)));
+        EXPECT_EQ(rejected, int(number_count(model)));
     }
 }
 

@@ -362,6 +362,7 @@ TEST(Formats, MasksNumbersThatStandForNoValue) {
         {"BiRD", text(bird + "]}}}")}};
     for (const Format& format : formats()) {
         const auto known = read_alone.find(format.name);
+        ASSERT_TRUE(known != read_alone.end() || format.write) << "read_alone lacks a file of " << format.name;
         const Bytes bytes = known != read_alone.end() ? known->second : *format.write(source, {});
         const auto measured = read_measured(bytes, "f");
         ASSERT_TRUE(measured.ok()) << format.name << ' ' << message(measured.error());

@@ -5,9 +5,8 @@
 
 namespace srbf {
 
-/// A model with n views and independent random lobes for each view: about the mirror direction, bandwidths from 1 to
-/// 300; if `shaped`, shapes from -4 to 2.
-inline SuModel random_su(std::mt19937_64& random, int views, int lobes, bool shaped = false) {
+/// A model with n views and independent random lobes for each view, of bandwidths from 1 to 300.
+inline SuModel random_su(std::mt19937_64& random, int views, int lobes) {
     SuModel model;
     model.lobes = lobes;
     model.direction = fibonacci_directions(views, k_pi / 2);
@@ -15,7 +14,6 @@ inline SuModel random_su(std::mt19937_64& random, int views, int lobes, bool sha
         model.coefficient.push_back({float(uniform(random)), float(uniform(random)), float(uniform(random))});
         model.centre.push_back(to_float(random_direction(random)));
         model.bandwidth.push_back(float(elementary::pow(300, uniform(random))));
-        if (shaped) model.shape.push_back(float(6 * uniform(random) - 4));
     }
     return model;
 }

@@ -5,8 +5,8 @@
 
 #include "base/text.h"
 #include "models.h"
-#include "models/ggx/ggx_functions.h"
-#include "models/openpbr/openpbr_functions.h"
+#include "models/ggx/ggx_kind.h"
+#include "models/openpbr/openpbr_kind.h"
 #include "models/su/su_functions.h"
 #include "srbf/file.h"
 #include "srbf/load.h"
@@ -20,6 +20,9 @@ namespace fs = std::filesystem;
 
 const fs::path k_folder = fs::path(SRBF_SOURCE_DIR) / "test" / "models";
 const std::string k_current = "1";
+/// Files that version 0.1 wrote and that need a new fit, with what is found in them.
+const std::map<std::string, std::string> k_refused{
+    {"stack", "texels with lobes of their own"}, {"su", "shapes of lobes"}, {"su_cube", "shapes of lobes"}};
 
 /// A model of each kind that the program writes today.
 std::map<std::string, Model> models_of_today() {
@@ -32,12 +35,12 @@ std::map<std::string, Model> models_of_today() {
                     random_model(random, {.axial = axial, .log_scale = log_scale, .lobes = 3, .form = form}),
                     {{"source", "made up"}, {"max_theta", "80"}}};
     all["pm_spectral"] = {spectral_model(random, {.lobes = 2}, 5), {}};
-    SuModel su = random_su(random, 8, 2, true);
-    all["su"] = {su, {}};
+    SuModel su = random_su(random, 8, 2);
+    all["su_rotated"] = {su, {}};
     su.index = index_texture(su, DirectionMap::cube, 2);
-    all["su_cube"] = {su, {}};
+    all["su_rotated_cube"] = {su, {}};
     su.index = index_texture(su, DirectionMap::parabolic, 2);
-    su.interpolation = SuInterpolation::plain, su.neighbours = 3, su.discretise = Discretise::light, su.shape.clear();
+    su.interpolation = SuInterpolation::plain, su.neighbours = 3, su.discretise = Discretise::light;
     all["su_parabolic_plain_light"] = {su, {}};
     all["ggx_one"] = {GgxModel{{0.1f, 0.2f, 0.3f}, {{0.4f, {0.5f, 0.3f, 0.1f}, 1}}}, {}};
     all["ggx_two"] = {GgxModel{{0.1f, 0.2f, 0.3f}, {{0.4f, {0.5f, 0.3f, 0.1f}, 1}, {0.1f, {0.2f, 0.2f, 0.2f}, 0.5f}}},
@@ -106,7 +109,7 @@ TEST(Versions, FilesOfEachAreReadAndMeanTheSame) {
         if (entry.path().extension() != ".srbf") continue;
         SCOPED_TRACE(entry.path().string());
         ++files;
-        if (entry.path().stem() == "stack") continue;
+        if (k_refused.contains(entry.path().stem().string())) continue;
         const auto loaded = load_brdf(entry.path().string());
         ASSERT_TRUE(loaded.ok()) << message(loaded.error());
         const auto expected = values_in(fs::path(entry.path()).replace_extension(".csv")), found = values_of(*loaded);
@@ -122,14 +125,13 @@ TEST(Versions, FilesOfEachAreReadAndMeanTheSame) {
     EXPECT_GE(files, 20);
 }
 
-/// Stacks of texels with lobes of their own, which version 0.1 wrote, are told from models and maps.
-TEST(Versions, AStackIsRefusedInOneLine) {
-    const std::string file = (k_folder / "1" / "stack.srbf").string();
-    for (const std::string& name : {file, file + "#1"}) {
-        const auto loaded = load_brdf(name);
+TEST(Versions, SomeAreRefusedInOneLine) {
+    for (const auto& [name, found] : k_refused) {
+        const auto loaded = load_brdf((k_folder / "1" / (name + ".srbf")).string());
         ASSERT_FALSE(loaded);
-        EXPECT_NE(message(loaded.error()).find("found texels with lobes of their own"), std::string::npos);
+        EXPECT_NE(message(loaded.error()).find("found " + found), std::string::npos) << message(loaded.error());
     }
+    EXPECT_FALSE(load_brdf((k_folder / "1" / "stack.srbf#1").string()));
 }
 
 /// A kind of which no file is kept could change its meaning unseen.

@@ -38,7 +38,7 @@ struct Model {
     AnyModel model;
     std::map<std::string, std::string> provenance;  ///< source file, options, errors, version
 };
-/// The kind of a model: "pm", "su", "ggx", "bsdf" or "openpbr", as its file has it.
+/// The kind of a model as its file has it: "bsdf", or the name in its request.
 std::string_view kind(const Model& model);
 
 /// f(wl, wv); of a BSDF on either side, without the beams.

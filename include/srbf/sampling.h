@@ -66,8 +66,8 @@ class MixtureProposal {
     std::optional<FacetTerms> facets;
     std::array<std::array<float, 2>, k_nodes> facet_weight{};
 
-    /// For each node the shapes of half-vector lobes, of those with an even and of those with an odd number.
-    std::array<std::array<HalfVectorShape, 2>, k_nodes> shape{};
+    /// For each node the shape of half-vector lobes.
+    std::array<HalfVectorShape, k_nodes> shape{};
     /// Cosine and sine of the azimuth of an anisotropic BRDF's axis. If both are 0, lobes are stretched along the
     /// plane of incidence.
     float cosine = 0, sine = 0;
@@ -107,10 +107,9 @@ constexpr int azimuths_for(bool is_isotropic) { return is_isotropic ? 1 : k_anis
 /// each of which lowers the integral (Silvey, Titterington & Torgersen 1978). The cosine keeps a weight of 0.02.
 ///
 /// In the plane of incidence, stretches 0.8^i and powers 0.8^(2 − 2j) are tried, i from −4 to 20 and j from 0 to 15.
-/// Each node has the best shape that descents find from fixed steps and from the next node's shape. It has two, of
-/// which the odd half-vector lobes have another, if they lower the relative variance by more than 0.05. With an axis,
-/// the stretch is one of eight up to 16 along one of 12 azimuths, with the least variance at views of 45°. Values that
-/// were not measured count as 0.
+/// Each node has the best shape that descents find from fixed steps and from the next node's shape. With an axis, the
+/// stretch is one of eight up to 16 along one of 12 azimuths, with the least variance at views of 45°. Values that were
+/// not measured count as 0.
 MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options = {});
 
 /// The proposal of a view-by-view model (Tsai 2009). It chooses a sampled view near wv by its interpolation weight,

@@ -106,7 +106,7 @@ Uniform uniform_of(const Material& material);
 
 /// The texels of a view-by-view model's textures, one row per view.
 struct SuTexels {
-    /// RGBA16F, n × 2J: a lobe's (β, λ), then its ξ minus the mirrored view direction, and its shape.
+    /// RGBA16F, n × 2J: a lobe's (β, λ), then its ξ minus the mirrored view direction.
     std::vector<std::array<std::uint16_t, 4>> numbers;
     /// RGBA32F, n × 1: half precision cannot distinguish elevations 1/n apart in z.
     std::vector<Float4> directions;

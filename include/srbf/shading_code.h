@@ -78,12 +78,6 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
 /// `argument`: a sparse library; sampling; a blend.
 Result<std::string> map_code(const TexelMap& map, std::string_view name, const CodeOptions& options = {});
 
-/// The models as functions of Radiance's expression language, the text of a `.cal` file. Each model has the function
-/// NAME(ix,iy,iz,ox,oy,oz), the luminance of f [1/sr] for vectors to the light and to the viewer, and NAME_R, NAME_G
-/// and NAME_B, its channels. Beams are left out. Positive z is the front of a BRDF. For a BSDF it is the back, with x
-/// mirrored, as in WINDOW's XML. Errors: a view-by-view model.
-Result<std::string> radiance_text(std::span<const NamedModel> models);
-
 /// The text of srbf_runtime.h, a header in C99 and C++ that loads any model file: pm, su, ggx, openpbr and bsdf, not maps.
 /// Its formulas are printed from kernel.glsl.
 std::string runtime_code();

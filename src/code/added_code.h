@@ -11,8 +11,9 @@ namespace SRBF_NAMESPACE {
 struct AddedCode {
     std::map<std::string, std::string> entries;  ///< names in the kernel's language, and in the code
     bool sampling = false, albedo = false;       ///< true if the functions call the core's functions for these
-    bool unrolled = false;                       ///< true if loops over lobes and tables of their numbers are unrolled
-    std::string albedo_node = {};                ///< the text of `albedo_node`; empty for one that reads a table
+    /// Changes the specialised program, of which these functions are called; null: it is printed as it is.
+    void (*rewrite)(syntax::Program& program, const std::vector<std::string>& roots) = nullptr;
+    std::string albedo_node = {};  ///< the text of `albedo_node`; empty for one that reads a table
     /// The text of the functions, which follows albedo.glsl. It adds its tables to `program`, and its numbers of the
     /// model to `defines`. If `is_basis`, the coefficients of the model's lobes are arguments, and those of `model` are
     /// their means.
@@ -32,8 +33,6 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
 Result<std::string> map_code(const TexelMap& map, std::string_view name, const CodeOptions& options,
                              const AddedCode& added);
 
-/// The lobes of a map with its mean coefficients.
-PmModel with_mean_coefficients(const TexelMap& map);
 /// The albedo for the view of a node; at the horizon, for a view just above it.
 Rgb albedo_of_node(const PreparedBrdf& brdf, double cosine);
 

@@ -54,7 +54,7 @@ Real pm_exponent(Pm pm, int j, int k) { return 0.0; }
 struct Su { int unused; };
 struct SuNearest { uvec4 pairs; };  // a texel of eight 16-bit numbers
 int su_nearest(SuNearest nearest, int k) { return int(nearest.pairs[k / 2] >> uint(16 * (k % 2)) & 0xffffu); }
-// one row per view, two texels per lobe: coefficient, bandwidth; centre - mirrored view, shape
+// one row per view, two texels per lobe: coefficient, bandwidth; centre - mirrored view
 uniform sampler2D su_numbers;
 uniform sampler2D su_directions;  // one row per view
 int su_lobes(Su su) { return SU_LOBES; }
@@ -65,6 +65,5 @@ Vec3 su_centre(Su su, int view, int j) {
     return Vec3(-w.x, -w.y, w.z) + texelFetch(su_numbers, ivec2(2 * j + 1, view), 0).xyz;
 }
 Real su_bandwidth(Su su, int view, int j) { return texelFetch(su_numbers, ivec2(2 * j, view), 0).w; }
-Real su_shape(Su su, int view, int j) { return texelFetch(su_numbers, ivec2(2 * j + 1, view), 0).w; }
 Vec3 su_coefficient(Su su, int view, int j) { return texelFetch(su_numbers, ivec2(2 * j, view), 0).rgb; }
 #endif

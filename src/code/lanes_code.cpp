@@ -34,7 +34,6 @@ Vec3 su_direction(Su su, int view);
 Vec3 su_centre(Su su, int view, int j);
 Real su_bandwidth(Su su, int view, int j);
 Vec3 su_coefficient(Su su, int view, int j);
-Real su_shape(Su su, int view, int j);
 int su_nearest(SuNearest nearest, int k);
 )";
 
@@ -66,7 +65,7 @@ std::string slots_in_c() {
     const LobeTable& table = lobe_table();
     std::vector<float> numbers;
     for (const LobeTable::Row* row : {&table.bandwidth, &table.width, &table.scale, &table.rest, &table.constant,
-                                      &table.linear, &table.square, &table.half_bandwidth, &table.odd})
+                                      &table.linear, &table.square, &table.half_bandwidth})
         numbers.insert(numbers.end(), row->begin(), row->end());
     return fmt::format(
         "SRBF_FN const float* srbf_slots(void) {{\n"

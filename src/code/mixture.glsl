@@ -1,8 +1,8 @@
 // Samples a mixture of proposal lobes. This text follows kernel.glsl, and requires:
 //   mixture_number(node, i)  number i of a node of MIXTURE_NODES, which are uniform in mixture_position(cos(theta_v)):
 //                            the weights of MIXTURE_COMPONENTS components, of which those after SRBF_PROPOSAL_LOBES are
-//                            facets; then stretch and power of the even half-vector lobes, and of the odd ones; then
-//                            the matrices (xx, xy, yy) of facets
+//                            facets; then stretch and power of the half-vector lobes; then the matrices (xx, xy, yy) of
+//                            facets
 //   mixture_tangent(wv)      the tangent along which these lobes are stretched, of any length
 
 // The position of a coordinate from 0 to 1 between two of `count` nodes.
@@ -25,7 +25,7 @@ Real mixture_between(int i, NodesAbout nodes) {
 }
 
 Facets mixture_facets(int k) {
-    int first = MIXTURE_COMPONENTS + 4 + 3 * (k - SRBF_PROPOSAL_LOBES);
+    int first = MIXTURE_COMPONENTS + 2 + 3 * (k - SRBF_PROPOSAL_LOBES);
     Facets facets;
     facets.xx = mixture_number(0, first);
     facets.xy = mixture_number(0, first + 1);
@@ -46,16 +46,16 @@ int chosen_lobe(Vec3 wv, Real selector) {
     if (chosen >= MIXTURE_COMPONENTS) chosen = 0;
     return chosen;
 }
-// The stretch and the power of lobe k.
-Stretch mixture_stretch(int k, Vec3 wv, NodesAbout nodes) {
-    return stretch_along(mixture_tangent(wv), mixture_between(MIXTURE_COMPONENTS + 2 * (k % 2), nodes));
+// The shape of half-vector lobes.
+Stretch mixture_stretch(Vec3 wv, NodesAbout nodes) {
+    return stretch_along(mixture_tangent(wv), mixture_between(MIXTURE_COMPONENTS, nodes));
 }
-Real mixture_power(int k, NodesAbout nodes) { return mixture_between(MIXTURE_COMPONENTS + 2 * (k % 2) + 1, nodes); }
+Real mixture_power(NodesAbout nodes) { return mixture_between(MIXTURE_COMPONENTS + 1, nodes); }
 Vec3 sample_of_lobe(int k, Vec3 wv, Real u1, Real u2) {
     if (SRBF_PROPOSAL_LOBES < MIXTURE_COMPONENTS && k >= SRBF_PROPOSAL_LOBES)
         return sample_facets(wv, mixture_facets(k), u1, u2);
     NodesAbout nodes = mixture_nodes(wv);
-    return sample_proposal_lobe(k, wv, mixture_stretch(k, wv, nodes), mixture_power(k, nodes), u1, u2);
+    return sample_proposal_lobe(k, wv, mixture_stretch(wv, nodes), mixture_power(nodes), u1, u2);
 }
 
 // A direction to the light for u1, u2 and selector uniform in [0,1). The sample is lost if z <= 0.
@@ -67,13 +67,11 @@ Vec3 sample_light(Vec3 wv, Real u1, Real u2, Real selector) {
 Real light_pdf(Vec3 wl, Vec3 wv) {
     if (!(Real(0.0) < wl.z && Real(0.0) < wv.z && dot(wl, wl) + dot(wv, wv) < Real(1.0e30))) return Real(0.0);
     NodesAbout nodes = mixture_nodes(wv);
-    ProposalPoint even = proposal_point(wl, wv, mixture_stretch(0, wv, nodes), mixture_power(0, nodes));
-    ProposalPoint odd = proposal_point(wl, wv, mixture_stretch(1, wv, nodes), mixture_power(1, nodes));
+    ProposalPoint at = proposal_point(wl, wv, mixture_stretch(wv, nodes), mixture_power(nodes));
     Real sum = Real(0.0);
     for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) {
         Real weight = mixture_between(k, nodes);
-        if (Real(0.0) < weight)
-            sum = sum + weight * (k % 2 == 0 ? proposal_lobe_pdf(k, even) : proposal_lobe_pdf(k, odd));
+        if (Real(0.0) < weight) sum = sum + weight * proposal_lobe_pdf(k, at);
     }
     for (int k = SRBF_PROPOSAL_LOBES; k < MIXTURE_COMPONENTS; ++k)
         sum = sum + mixture_between(k, nodes) * facets_pdf(wl, wv, mixture_facets(k));

@@ -8,6 +8,7 @@
 #include "code/print.h"
 #include "code/texts.h"
 #include "models/kind/parameters.h"
+#include "models/model_files.h"
 #include "sampling/elevation_nodes.h"
 #include "sampling/mixture.h"
 #include "srbf/prepared.h"
@@ -111,14 +112,14 @@ std::string numbers_of(const PmModel& model, ParameterStorage storage, Program& 
 }
 
 /// The accessors of a view-by-view model, whose numbers (`shading_data`) the host supplies.
-constexpr std::size_t k_view_numbers = 3, k_view_lobe_numbers = 8;
+constexpr std::size_t k_view_numbers = 3, k_view_lobe_numbers = 7;
 std::string numbers_of(const SuModel& model, Program& program) {
     const std::size_t J = std::size_t(model.lobes), row = k_view_numbers + k_view_lobe_numbers * J;
     program.tables.push_back(
         {fmt::format(
              "number i of the data, float32 in little-endian order; a function or macro of the host. {} rows of {}: "
              "the direction of a view (x, y, z), and for each of its lobes, {}, coefficient (R, G, B), bandwidth, "
-             "centre (x, y, z), shape (tau or -alpha, 0 without).",
+             "centre (x, y, z).",
              model.direction.size(), row, J),
          "number",
          {}});
@@ -136,10 +137,8 @@ std::string numbers_of(const SuModel& model, Program& program) {
         "2]); }}\n"
         "Vec3 su_coefficient(Su su, int view, int j) {{ return Vec3({3}, {4}, {5}); }}\n"
         "Real su_bandwidth(Su su, int view, int j) {{ return {6}; }}\n"
-        "Vec3 su_centre(Su su, int view, int j) {{ return Vec3({7}, {8}, {9}); }}\n"
-        "Real su_shape(Su su, int view, int j) {{ return {10}; }}\n",
-        J, model.direction.size(), row, number(0), number(1), number(2), number(3), number(4), number(5), number(6),
-        model.shape.empty() ? "0.0" : number(7));
+        "Vec3 su_centre(Su su, int view, int j) {{ return Vec3({7}, {8}, {9}); }}\n",
+        J, model.direction.size(), row, number(0), number(1), number(2), number(3), number(4), number(5), number(6));
 }
 
 std::string real(float x) { return fmt::format("Real({})", syntax::digits(x)); }
@@ -180,12 +179,6 @@ std::string brdf_of(const Model& model, CodeLanguage language, ParameterStorage 
     });
     if (!numbers.numbers.empty()) program.tables.push_back(std::move(numbers));
     return brdf_function(language, statements);
-}
-
-/// A model of lobe j alone, with coefficient 1.
-Model lobe_alone(PmModel basis, std::size_t j) {
-    basis.coefficient.assign(std::size_t(basis.lobes), Rgb{}), basis.coefficient[j] = {1, 1, 1};
-    return {std::move(basis), {}};
 }
 
 /// Directional albedos at the nodes. They are those of the model, whose values are the same on every processor,
@@ -234,11 +227,12 @@ MixtureProposal mixture_of(const Model& model, const CodeOptions& options) {
 std::string mixture_numbers_text(const MixtureProposal& mixture, const CodeOptions& options, Program& program,
                                  std::map<std::string, std::string>& defines) {
     const bool has_facets = mixture.facets.has_value();
-    Table nodes{fmt::format("The proposal, a row for each node: weights of lobes{}, stretch and power of two shapes{}.",
-                            has_facets ? " and facets" : "", has_facets ? ", the matrices of facets" : ""),
-                "mixture_numbers",
-                {},
-                has_facets ? k_node_numbers : MixtureProposal::k_lobes + k_shape_numbers};
+    Table nodes{
+        fmt::format("The proposal, a row for each node: weights of lobes{}, stretch and power of half vectors{}.",
+                    has_facets ? " and facets" : "", has_facets ? ", the matrices of facets" : ""),
+        "mixture_numbers",
+        {},
+        has_facets ? k_node_numbers : MixtureProposal::k_lobes + k_shape_numbers};
     for (std::size_t node = 0; options.sampling && node < MixtureProposal::k_nodes; ++node) {
         const std::vector<float> numbers = numbers_of(mixture, node, has_facets);
         nodes.numbers.insert(nodes.numbers.end(), numbers.begin(), numbers.end());
@@ -334,7 +328,7 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
         }
     }
     syntax::specialise(program, roots);
-    if (added.unrolled) syntax::unroll(program, roots);
+    if (added.rewrite) added.rewrite(program, roots);
     return program;
 }
 
@@ -347,8 +341,7 @@ std::vector<float> shading_data(const SuModel& model) {
         for (std::size_t j = i * J; j < (i + 1) * J; ++j) {
             const Rgb& beta = model.coefficient[j];
             const Vec3f xi = model.centre[j];
-            data.insert(data.end(), {beta.r, beta.g, beta.b, model.bandwidth[j], xi.x, xi.y, xi.z,
-                                     model.shape.empty() ? 0 : model.shape[j]});
+            data.insert(data.end(), {beta.r, beta.g, beta.b, model.bandwidth[j], xi.x, xi.y, xi.z});
         }
     }
     return data;

@@ -37,11 +37,13 @@ std::span<const CodeFeature> code_features();
 /// A text of whole materials that an extra prints, beside the languages.
 struct CodeModule {
     std::string_view name, summary;
-    /// The models, of BSDFs the parts. Errors: those of `shading_code`.
+    bool of_parts = true;  ///< each part of a BSDF is a material of its own
+    /// The models, of BSDFs the parts if they are materials. Errors: those of `shading_code`.
     Result<std::string> (*text)(std::span<const NamedModel> models, std::string_view prefix, int threads);
     /// A map, whose coefficients are in the KTX 2 file of that name beside the text. Errors: those of `map_code`.
     /// Null if the module has no maps.
-    Result<std::string> (*map_text)(const TexelMap& map, const std::string& name, std::string_view file, int threads);
+    Result<std::string> (*map_text)(const TexelMap& map, const std::string& name, std::string_view file,
+                                    int threads) = nullptr;
 };
 std::span<const CodeModule> code_modules();
 

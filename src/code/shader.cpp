@@ -198,8 +198,7 @@ SuTexels su_texels(const SuModel& model) {
             const Rgb& beta = model.coefficient[j];
             const Vec3f shift = model.centre[j] - mirror(w);
             texels.numbers.push_back({to_half(beta.r), to_half(beta.g), to_half(beta.b), to_half(model.bandwidth[j])});
-            texels.numbers.push_back({to_half(shift.x), to_half(shift.y), to_half(shift.z),
-                                      model.shape.empty() ? std::uint16_t(0) : to_half(model.shape[j])});
+            texels.numbers.push_back({to_half(shift.x), to_half(shift.y), to_half(shift.z), 0});
         }
     }
     return texels;

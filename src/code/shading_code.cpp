@@ -16,6 +16,7 @@
 #include "code/print_python.h"
 #include "code/program_printer.h"
 #include "models/kind/parameters.h"
+#include "models/model_files.h"
 #include "srbf/sampling.h"
 
 namespace SRBF_NAMESPACE {
@@ -162,17 +163,6 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
     return syntax::whole_text(options.language, list, std::string(prefix) + "_BRDF", definitions);
 }
 
-PmModel with_mean_coefficients(const TexelMap& map) {
-    PmModel model = map.basis;
-    const std::size_t J = model.coefficient.size();
-    std::vector<double> sum(3 * J);
-    for (std::size_t i = 0; i < map.coefficient.size(); ++i)
-        for (int c = 0; c < 3; ++c) sum[3 * (i % J) + std::size_t(c)] += double(map.coefficient[i][c]);
-    for (std::size_t i = 0; i < sum.size(); ++i)
-        model.coefficient[i / 3][int(i % 3)] = float(sum[i] / double(std::max<std::size_t>(map.count(), 1)));
-    return model;
-}
-
 Result<std::string> map_code(const TexelMap& map, std::string_view name, const CodeOptions& options,
                              const AddedCode& added) {
     const auto refuse = [&](const char* what, const char* expected, const char* found) {
@@ -187,7 +177,7 @@ Result<std::string> map_code(const TexelMap& map, std::string_view name, const C
         roots.push_back(root);
         list += fmt::format("{}{}_{}", list.empty() ? "" : ", ", name, printed_name);
     }
-    const Model basis{with_mean_coefficients(map), {}};
+    const Model basis = mean_texel(map);
     std::string description = fmt::format("{}: {} lobes of {} variates, form {}, {} bytes, which all texels share.",
                                           name, map.basis.lobes, map.basis.variates, srbf::name(map.basis.form),
                                           payload_bytes(map.basis) - 6 * std::size_t(map.basis.lobes));

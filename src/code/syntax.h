@@ -103,10 +103,6 @@ void parse(std::string_view text, Program& program, std::map<std::string, std::s
 /// handles: structures without members, which stand for a model whose numbers are tables.
 void specialise(Program& program, const std::vector<std::string>& roots);
 
-/// Repeats the bodies of loops over arrays and tables whose lengths are known, up to 32, and replaces numbers of tables
-/// whose indices are known by their values: some compilers of shaders do neither. The program must have been specialised.
-void unroll(Program& program, const std::vector<std::string>& roots);
-
 /// The name of the variable that an assignment to `target` changes.
 inline const std::string& assigned_variable(const Expression& target) {
     return target.kind == Expression::Kind::name ? target.text : assigned_variable(target.parts[0]);

@@ -7,11 +7,10 @@
 #include "brdf/parts.h"
 #include "brdf/values.h"
 #include "fit/extra_fits.h"
-#include "fit/patch_fit.h"
 #include "fit/requests.h"
 #include "measured/tables.h"
 #include "models/bsdf/bsdf_functions.h"
-#include "models/ggx/ggx_functions.h"
+#include "models/ggx/ggx_kind.h"
 #include "srbf/elementary.h"
 #include "srbf/fit.h"
 

@@ -21,6 +21,22 @@ Model texel(const TexelMap& map, std::size_t t) {
     return model;
 }
 
+Model mean_texel(const TexelMap& map) {
+    PmModel model = map.basis;
+    const std::size_t J = model.coefficient.size();
+    std::vector<double> sum(3 * J);
+    for (std::size_t i = 0; i < map.coefficient.size(); ++i)
+        for (int c = 0; c < 3; ++c) sum[3 * (i % J) + std::size_t(c)] += double(map.coefficient[i][c]);
+    for (std::size_t i = 0; i < sum.size(); ++i)
+        model.coefficient[i / 3][int(i % 3)] = float(sum[i] / double(std::max<std::size_t>(map.count(), 1)));
+    return {std::move(model), {}};
+}
+
+Model lobe_alone(PmModel basis, std::size_t j) {
+    basis.coefficient.assign(std::size_t(basis.lobes), Rgb{}), basis.coefficient[j] = {1, 1, 1};
+    return {std::move(basis), {}};
+}
+
 std::optional<std::size_t> find_texel(const TexelMap& map, std::string_view name) {
     const auto comma = name.find(',');
     const auto x = to_number<std::size_t>(name.substr(0, comma));
@@ -112,10 +128,10 @@ Result<TexelMap> read_map(std::span<const std::byte> bytes, const std::string& f
                      ErrorCode::wrong_kind};
     TexelMap map;
     if (const auto taken = take_texels(*content, map, file_name); !taken) return taken.error();
-    const auto header = take_lobes_header(content->metadata, file_name);
-    if (!header) return header.error();
-    auto basis = decode_lobes(content->tensors, *header, file_name);
+    auto unused = content->metadata.extract("wavelengths");  // provenance, as coefficients are colours
+    auto basis = Kind<PmModel>::read(*content, file_name);
     if (!basis) return basis.error();
+    content->metadata.insert(std::move(unused));
     map.basis = *std::move(basis);
     map.width = map.count();
     if (auto width = content->metadata.extract("width")) {

@@ -12,7 +12,7 @@
 #include "models/kind/parameters.h"
 #include "models/kinds.h"
 #include "models/model_files.h"
-#include "models/openpbr/openpbr_functions.h"
+#include "models/openpbr/openpbr_kind.h"
 #include "models/pm/pm_functions.h"
 #include "srbf/file.h"
 
@@ -172,10 +172,6 @@ Parameters report_members(const Model& model) {
 
 Parameters parameters(const Model& model) {
     return std::visit([](const auto& m) { return KindOf<decltype(m)>::parameters(m); }, model.model);
-}
-
-std::vector<Model> terms_of(const Model& model, std::size_t most) {
-    return std::visit([&](const auto& m) { return KindOf<decltype(m)>::terms(m, most); }, model.model);
 }
 
 std::string formula_text(const Model& model, const NumberText& number) {

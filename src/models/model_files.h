@@ -17,6 +17,9 @@ Result<Done> check_range(const Model& model, const std::string& source);
 Error map_error(const std::string& file);
 /// True if these are the bytes of a map.
 bool is_map_file(std::span<const std::byte> bytes);
+/// A texel with the mean coefficients of all, and a model of lobe j alone with the coefficient 1.
+Model mean_texel(const TexelMap& map);
+Model lobe_alone(PmModel basis, std::size_t j);
 /// The map with every number rounded to a 16-bit float.
 TexelMap rounded(TexelMap map);
 /// The file of a map of these lobes and so many texels up to its coefficients, which follow as 16-bit floats [T,J,3],

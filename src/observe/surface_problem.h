@@ -2,6 +2,8 @@
 #pragma once
 #include <Eigen/Dense>
 
+#include "base/levenberg_marquardt.h"
+#include "base/parallel.h"
 #include "observe/observations.h"
 #include "observe/pixels.h"
 
@@ -94,5 +96,34 @@ template <typename Variables> class SurfaceProblem {
     std::vector<SurfaceData::Outputs> derivatives_;  ///< of the outputs, by each variable
     PixelSlopes slopes_;
 };
+
+template <typename Model> struct SurfaceCandidate {
+    Model model;
+    double loss = 0;
+};
+
+/// A round of a search: the number of candidates that it takes, the n of `SurfaceData`, and the number of steps.
+struct SurfaceRound {
+    std::size_t candidates, n;
+    int steps;
+};
+
+/// Levenberg-Marquardt from the first candidates, which are then in order of their loss. `variables_of` returns the
+/// variables of a model.
+template <typename Model, typename VariablesOf>
+void lower(std::vector<SurfaceCandidate<Model>>& candidates, const SurfaceRound& round, const SurfaceData& data,
+           const VariablesOf& variables_of, int threads) {
+    candidates.resize(std::min(candidates.size(), round.candidates));
+    parallel_for(candidates.size(), threads, [&](std::size_t i) {
+        auto& [model, loss] = candidates[i];
+        SurfaceProblem problem(data, variables_of(model));
+        Eigen::VectorXd x = problem.x_of(model);
+        loss = round.steps == 0
+                   ? problem.loss(x)
+                   : levenberg_marquardt(problem, x, {.max_iterations = round.steps, .adapts_to_bounds = true}).loss;
+        model = problem.model(x);
+    });
+    std::ranges::stable_sort(candidates, {}, &SurfaceCandidate<Model>::loss);
+}
 
 }  // namespace srbf

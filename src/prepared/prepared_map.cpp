@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "brdf/colour.h"
+#include "models/model_files.h"
 #include "models/pm/pm_lanes.h"
 
 namespace SRBF_NAMESPACE {
@@ -12,22 +13,6 @@ namespace {
 using Row = MixtureProposal::Row;
 constexpr std::size_t k_nodes = MixtureProposal::k_nodes, k_mixed = MixtureProposal::k_lobes;
 constexpr float k_least_cosine_of_view = 1e-3f;  // cosine of the last node's view
-
-PmModel with_coefficients(PmModel basis, std::vector<Rgb> coefficient) {
-    basis.coefficient = std::move(coefficient);
-    return basis;
-}
-std::vector<Rgb> mean_coefficients(const TexelMap& map) {
-    const auto J = std::size_t(map.basis.lobes);
-    std::vector<std::array<double, 3>> sum(J);
-    for (std::size_t i = 0; i < map.coefficient.size(); ++i)
-        for (std::size_t c = 0; c < 3; ++c) sum[i % J][c] += double(map.coefficient[i][int(c)]);
-    std::vector<Rgb> mean;
-    const double T = double(map.count());
-    for (const auto& channel_sums : sum)
-        mean.push_back({float(channel_sums[0] / T), float(channel_sums[1] / T), float(channel_sums[2] / T)});
-    return mean;
-}
 
 }  // namespace
 
@@ -42,18 +27,12 @@ struct PreparedMap::Contents {
 
 PreparedMap prepare_map(const TexelMap& map, const ProposeOptions& options) {
     const auto J = std::size_t(map.basis.lobes);
-    const auto prepare_with = [&](std::vector<Rgb> coefficient) {
-        return prepare({with_coefficients(map.basis, std::move(coefficient)), {}}, options);
-    };
     const auto mixture_of = [](const PreparedBrdf& brdf) { return std::get<MixtureProposal>(proposal(brdf)); };
-    auto contents = std::make_shared<PreparedMap::Contents>(
-        PreparedMap::Contents{map.width, map.height(), map.coefficient, PmLanes(map.basis),
-                              mixture_of(prepare_with(mean_coefficients(map)))});
+    auto contents = std::make_shared<PreparedMap::Contents>(PreparedMap::Contents{
+        map.width, map.height(), map.coefficient, PmLanes(map.basis), mixture_of(prepare(mean_texel(map), options))});
     contents->lobe_weights.resize(J);
     for (std::size_t j = 0; j < J; ++j) {
-        std::vector<Rgb> single(J);
-        single[j] = {1, 1, 1};
-        const PreparedBrdf lobe = prepare_with(std::move(single));
+        const PreparedBrdf lobe = prepare(lobe_alone(map.basis, j), options);
         for (std::size_t node = 0; node < k_nodes; ++node) {
             const float root = 1 - float(node) / float(k_nodes - 1);
             const float reflected = albedo(lobe, std::max(root * root, k_least_cosine_of_view)).g;

@@ -29,20 +29,19 @@ struct LobeTable {
     alignas(32) Row bandwidth, width, scale, rest;
     /// The polynomial in cosθl that multiplies their densities. At −cosθl only the constant is left.
     alignas(32) Row constant, linear, square;
-    /// Lobes of half vectors. `odd` is 1 for those with an odd number, which have a shape of their own, otherwise 0.
-    alignas(32) Row half_bandwidth, odd;
+    /// Lobes of half vectors.
+    alignas(32) Row half_bandwidth;
 };
 const LobeTable& lobe_table();
 
-/// The numbers of a node: the weights of the lobes, and with facets theirs; stretch and power of the even and of the
-/// odd half-vector lobes; then with facets their matrices.
-inline constexpr std::size_t k_shape_numbers = 4, k_node_numbers = MixtureProposal::k_components + k_shape_numbers + 6;
+/// The numbers of a node: the weights of the lobes, and with facets theirs; stretch and power of half-vector lobes; then
+/// with facets their matrices.
+inline constexpr std::size_t k_shape_numbers = 2, k_node_numbers = MixtureProposal::k_components + k_shape_numbers + 6;
 inline std::vector<float> numbers_of(const MixtureProposal& proposal, std::size_t node, bool has_facets) {
     std::vector<float> numbers(proposal.weight(node).begin(), proposal.weight(node).end());
     if (has_facets)
         numbers.insert(numbers.end(), proposal.facet_weight[node].begin(), proposal.facet_weight[node].end());
-    for (const HalfVectorShape& shape : proposal.shape[node])
-        numbers.insert(numbers.end(), {shape.stretch, shape.power});
+    numbers.insert(numbers.end(), {proposal.shape[node].stretch, proposal.shape[node].power});
     for (const Facets& facets : proposal.facets.value_or(FacetTerms{}))
         if (has_facets) numbers.insert(numbers.end(), {facets.xx, facets.xy, facets.yy});
     return numbers;

@@ -15,9 +15,8 @@ namespace {
 
 // Points for each lobe and view, and steps of the weights: at last, and in the search for shapes.
 constexpr int k_points = 64, k_steps = 200, k_search_points = 12, k_search_steps = 30;
-// The relative gains of the second moment that justify an anisotropy axis, and a step of a lobe's shape; the gain that
-// justifies two shapes, and a variance with which no second shape is tried.
-constexpr double k_least_gain = 0.01, k_least_change = 0.003, k_least_gain_of_two = 0.05, k_small_variance = 0.02;
+// The relative gains of the second moment that justify an anisotropy axis, and a step of a lobe's shape.
+constexpr double k_least_gain = 0.01, k_least_change = 0.003;
 
 /// Views at cosθv = z.
 std::vector<Vec3f> views_at(double z, int azimuths) {
@@ -45,27 +44,24 @@ std::vector<Vec3f> views_about(std::size_t node, int azimuths) {
     return views;
 }
 
-/// Shapes of the even and of the odd half-vector lobes: stretches 0.8^i and powers 0.8^(2 - 2j).
+/// A shape of half-vector lobes: the stretch 0.8^i and the power 0.8^(2 - 2j).
 struct ShapeSteps {
-    std::array<int, 2> i, j;
+    int i, j;
     auto operator<=>(const ShapeSteps&) const = default;
 };
-ShapeSteps both(int i, int j) { return {{i, i}, {j, j}}; }
 // Limits of the steps. Towards the horizon, highlights are up to a hundred times as long in the plane of incidence as
 // they are wide, or far from the mirror direction.
 constexpr int k_least_stretch_step = -4, k_most_stretch_step = 20, k_most_power_step = 15;
 ProposalShape shape_of(const ShapeSteps& steps, const ProposalShape& start) {
     ProposalShape shape = start;
-    for (std::size_t k = 0; k < 2; ++k) {
-        if (!start.has_axis()) shape.lobes[k].stretch = float(elementary::pow(0.8, steps.i[k]));
-        shape.lobes[k].power = float(elementary::pow(0.8, 2 - 2 * steps.j[k]));
-    }
+    if (!start.has_axis()) shape.lobes.stretch = float(elementary::pow(0.8, steps.i));
+    shape.lobes.power = float(elementary::pow(0.8, 2 - 2 * steps.j));
     return shape;
 }
 /// A wide shape, a narrow one, and a ridge across the plane of incidence. All shapes are compared by points that are
 /// sampled from these.
 std::array<ProposalShape, 3> sampled_shapes(const ProposalShape& start) {
-    return {shape_of(both(0, 1), start), shape_of(both(4, 3), start), shape_of(both(12, 4), start)};
+    return {shape_of({0, 1}, start), shape_of({4, 3}, start), shape_of({12, 4}, start)};
 }
 
 /// The search for the shape of a node. With an anisotropy axis the stretch is kept.
@@ -76,35 +72,20 @@ class NodeSearch {
         // At the normal the plane of incidence is undefined.
         if (node == 0) return;
         points_ = make_points(brdf, views_, k_search_points, sampled_shapes(start));
-        one_ = two_ = descend(both(stretch_step(1), 2), 0, 1);
-        if (variance(one_) < k_small_variance) return;
-        ShapeSteps best = one_;
-        double least = std::numeric_limits<double>::infinity();
-        for (int i = 1; i <= k_most_stretch_step; i += 4)
-            for (int j = 0; j <= k_most_power_step; j += 5) {
-                const ShapeSteps steps{{one_.i[0], stretch_step(i)}, {one_.j[0], j}};
-                if (moment(steps) < least) best = steps, least = moment(steps);
-            }
-        two_ = settle(best);
+        best_ = descend({stretch_step(1), 2});
     }
-    /// Searches from the shapes of the next node, so that shapes of neighbours are alike.
+    /// Searches from the shape of the next node too, so that shapes of neighbours are alike.
     void follow(const NodeSearch& next) {
-        const ShapeSteps one = descend(next.one_, 0, 1), two = settle(next.two_);
-        if (moment(one) < moment(one_)) one_ = one;
-        if (moment(two) < moment(two_)) two_ = two;
+        const ShapeSteps other = descend(next.best_);
+        if (moment(other) < moment(best_)) best_ = other;
     }
-    /// The shape that all lobes share, or two if they have less variance.
-    ProposalShape shape() {
-        if (points_.size() == 0) return start_;
-        return shape_of(variance(two_) < variance(one_) - k_least_gain_of_two ? two_ : one_, start_);
-    }
+    ProposalShape shape() const { return points_.size() == 0 ? start_ : shape_of(best_, start_); }
     const std::vector<Vec3f>& views() const { return views_; }
 
   private:
     int stretch_step(int i) const {
         return start_.has_axis() ? 0 : std::clamp(i, k_least_stretch_step, k_most_stretch_step);
     }
-    double variance(const ShapeSteps& steps) { return moment(steps) / double(views_.size()) - 1; }
     /// The moment of a shape, summed over the views, from weights that begin with those of the best shape.
     double moment(const ShapeSteps& steps) {
         double& value = known_[steps];
@@ -120,28 +101,16 @@ class NodeSearch {
         if (value < least_) least_ = value, weight_ = std::move(weight);
         return value;
     }
-    /// Changes the shapes of lobes `first` to `last` while that lowers the moment.
-    ShapeSteps descend(ShapeSteps best, std::size_t first, std::size_t last) {
+    /// Changes the shape while that lowers the moment.
+    ShapeSteps descend(ShapeSteps best) {
         for (bool better = true; better;) {
             better = false;
             const ShapeSteps centre = best;
             for (int di = -1; di <= 1; ++di)
                 for (int dj = -1; dj <= 1; ++dj) {
-                    ShapeSteps next = centre;
-                    for (std::size_t k = first; k <= last; ++k) {
-                        next.i[k] = stretch_step(centre.i[k] + di);
-                        next.j[k] = std::clamp(centre.j[k] + dj, 0, k_most_power_step);
-                    }
+                    const ShapeSteps next{stretch_step(centre.i + di), std::clamp(centre.j + dj, 0, k_most_power_step)};
                     if (moment(next) < (1 - k_least_change) * moment(best)) best = next, better = true;
                 }
-        }
-        return best;
-    }
-    /// Changes the shapes of the odd and of the even lobes in turn.
-    ShapeSteps settle(ShapeSteps best) {
-        for (double before = 2 * moment(best); moment(best) < (1 - k_least_change) * before;) {
-            before = moment(best);
-            best = descend(descend(best, 1, 1), 0, 0);
         }
         return best;
     }
@@ -152,7 +121,7 @@ class NodeSearch {
     std::map<ShapeSteps, double> known_;
     std::vector<float> weight_;  // of the least moment
     double least_ = std::numeric_limits<double>::infinity();
-    ShapeSteps one_{}, two_{};  // the best shape of all lobes, and the best two of the even and of the odd ones
+    ShapeSteps best_{};
 };
 
 /// Computes the shapes and weights of all nodes.
@@ -184,7 +153,7 @@ void find_axis(const Evaluate& brdf, int threads, MixtureProposal& proposal) {
     parallel_for(candidates.size(), threads, [&](std::size_t i) {
         const double azimuth = k_pi * double(i % azimuths) / azimuths;
         const HalfVectorShape shape{k_stretches[i / azimuths], 1};
-        candidates[i] = {{shape, shape}, float(elementary::cos(azimuth)), float(elementary::sin(azimuth))};
+        candidates[i] = {shape, float(elementary::cos(azimuth)), float(elementary::sin(azimuth))};
         const SamplingPoints points = make_points(brdf, views, count, {&candidates[i], 1});
         moment[i] = moment_of(points, best_weights(points, candidates[i].components(), k_search_steps));
     });

@@ -23,7 +23,7 @@ namespace SRBF_NAMESPACE {
 struct MixtureView {
     Vec3f wv, tangent;
     NodePosition nodes;
-    std::array<HalfVectorShape, 2> shape;
+    HalfVectorShape shape;
 };
 
 }  // namespace srbf
@@ -47,13 +47,6 @@ template <typename Lanes> HWY_INLINE auto broadcast(const Kernel<float>::Stretch
         broadcast<Lanes>(map.x), broadcast<Lanes>(map.y), broadcast<Lanes>(map.stretch_minus_1),
         broadcast<Lanes>(map.inverse_minus_1), broadcast<Lanes>(map.inverse)};
 }
-// The first four lanes.
-template <typename D> HWY_INLINE FourLanes first_four(hn::Vec<D> v) {
-    if constexpr (hn::MaxLanes(D()) > 4)
-        return first_four<hn::Half<D>>(hn::LowerHalf(hn::Half<D>(), v));
-    else
-        return v;
-}
 HWY_INLINE LobeLanes broadcast_lobes(float x) { return broadcast<LobeLanes>(x); }
 
 // Branch-free: branches would be unpredictable. The position is below the last node, so that there is an upper one.
@@ -66,12 +59,12 @@ HWY_INLINE NodePosition node_position(float z) {
 }
 HWY_INLINE MixtureView view_of(const MixtureProposal& proposal, const Vec3f& wv) {
     const NodePosition nodes = node_position(wv.z);
-    const auto interpolate = [&](std::size_t i) -> HalfVectorShape {
-        const HalfVectorShape &low = proposal.shape[nodes.below][i], &high = proposal.shape[nodes.below + 1][i];
-        return {low.stretch + nodes.fraction * (high.stretch - low.stretch),
-                low.power + nodes.fraction * (high.power - low.power)};
-    };
-    return {wv, tangent(proposal, wv), nodes, {interpolate(0), interpolate(1)}};
+    const HalfVectorShape &low = proposal.shape[nodes.below], &high = proposal.shape[nodes.below + 1];
+    return {wv,
+            tangent(proposal, wv),
+            nodes,
+            {low.stretch + nodes.fraction * (high.stretch - low.stretch),
+             low.power + nodes.fraction * (high.power - low.power)}};
 }
 
 HWY_INLINE LobeLanes interpolate(const MixtureProposal::Row& low, const MixtureProposal::Row& high, float part,
@@ -91,28 +84,20 @@ HWY_INLINE float facet_weight(const MixtureProposal& proposal, const NodePositio
 struct MixtureAtView {
     using F = Formulas<LobeLanes, PmModel>;
     static constexpr int k_vectors = LobeTable::k_per_kind / int(sizeof(LobeLanes) / sizeof(float));  // of each kind
-    // Even and odd lobes alternate in a vector, so that all vectors have the same map; single lanes have two.
-    static constexpr int k_maps = k_vectors == LobeTable::k_per_kind ? 2 : 1;
     const LobeTable& table;
     Vec3<LobeLanes> viewer, specular;
-    typename F::Stretch map[k_maps];
+    typename F::Stretch map;
     typename F::ProposalLobe half[k_vectors];
 
     HWY_INLINE MixtureAtView(const LobeTable& lobes, const MixtureView& view)
-        : table(lobes), viewer(broadcast<LobeLanes>(view.wv)), specular(-viewer.x, -viewer.y, viewer.z) {
-        const auto& [even, other] = view.shape;
-        const Vec3<LobeLanes> tangent = broadcast<LobeLanes>(view.tangent);
-        for (int i = 0; i < k_vectors; ++i) {
-            const int k = i * int(LobeLanes::size());
-            const LobeLanes odd = load_row(table.odd, k);
-            auto& own = map[i % k_maps];
-            if (i < k_maps)
-                own = F::stretch_along(
-                    tangent, broadcast_lobes(even.stretch) + odd * broadcast_lobes(other.stretch - even.stretch));
-            const LobeLanes power = broadcast_lobes(even.power) + odd * broadcast_lobes(other.power - even.power);
-            half[i] =
-                F::half_vector_lobe(F::stretched(viewer, own), own.inverse, load_row(table.half_bandwidth, k), power);
-        }
+        : table(lobes),
+          viewer(broadcast<LobeLanes>(view.wv)),
+          specular(-viewer.x, -viewer.y, viewer.z),
+          map(F::stretch_along(broadcast<LobeLanes>(view.tangent), broadcast_lobes(view.shape.stretch))) {
+        const LobeLanes power = broadcast_lobes(view.shape.power);
+        for (int i = 0; i < k_vectors; ++i)
+            half[i] = F::half_vector_lobe(F::stretched(viewer, map), map.inverse,
+                                          load_row(table.half_bandwidth, i * int(LobeLanes::size())), power);
     }
     HWY_INLINE F::ProposalLobe direction_lobe(int k) const {
         return {specular, load_row(table.bandwidth, k), load_row(table.width, k), load_row(table.scale, k),
@@ -125,11 +110,8 @@ HWY_INLINE float pdf_at_view(const MixtureProposal& proposal, const MixtureAtVie
     using F = MixtureAtView::F;
     const auto &low = proposal.weight(view.nodes.below), &high = proposal.weight(view.nodes.below + 1);
     const Vec3<LobeLanes> l = broadcast<LobeLanes>(wl), mirrored(l.x, l.y, -l.z);
-    typename F::HalfVector above[MixtureAtView::k_maps], below[MixtureAtView::k_maps];
-    for (int i = 0; i < MixtureAtView::k_maps; ++i) {
-        above[i] = F::half_vector(l, mixture.viewer, mixture.map[i]);
-        below[i] = F::half_vector(mirrored, mixture.viewer, mixture.map[i]);
-    }
+    const typename F::HalfVector above = F::half_vector(l, mixture.viewer, mixture.map),
+                                 below = F::half_vector(mirrored, mixture.viewer, mixture.map);
     LobeLanes sum(0.0);
     for (int i = 0; i < MixtureAtView::k_vectors; ++i) {
         const int k = i * int(LobeLanes::size());
@@ -138,9 +120,8 @@ HWY_INLINE float pdf_at_view(const MixtureProposal& proposal, const MixtureAtVie
             constant + l.z * (load_row(mixture.table.linear, k) + l.z * load_row(mixture.table.square, k));
         sum = sum + interpolate(low, high, view.nodes.fraction, k) *
                         F::reflected_pdf(mixture.direction_lobe(k), {l, factor}, {mirrored, constant});
-        sum = sum +
-              interpolate(low, high, view.nodes.fraction, LobeTable::k_per_kind + k) *
-                  F::reflected_pdf(mixture.half[i], above[i % MixtureAtView::k_maps], below[i % MixtureAtView::k_maps]);
+        sum = sum + interpolate(low, high, view.nodes.fraction, LobeTable::k_per_kind + k) *
+                        F::reflected_pdf(mixture.half[i], above, below);
     }
     float pdf = sum.sum();
     for (std::size_t i = 0; proposal.facets && i < proposal.facets->size(); ++i)
@@ -173,11 +154,8 @@ HWY_INLINE DirectionSample make_sample(const Vec3f& wl, float pdf) {
 // The directions that all lobes sample around their centres, computed before one lobe is chosen.
 struct LobeSamples {
     alignas(32) float x[LobeTable::k_count], y[LobeTable::k_count], z[LobeTable::k_count], below[LobeTable::k_count];
-    alignas(32) float stretch_minus_1[LobeTable::k_per_kind];  // first of an even lobe, then of an odd one
 
     HWY_INLINE LobeSamples(const MixtureAtView& mixture, float u1) {
-        for (int i = 0; i < MixtureAtView::k_maps; ++i)
-            mixture.map[i].stretch_minus_1.store(stretch_minus_1 + i * int(LobeLanes::size()));
         for (int i = 0; i < MixtureAtView::k_vectors; ++i) {
             const int k = i * int(LobeLanes::size());
             set(k, mixture.direction_lobe(k), u1);
@@ -225,7 +203,7 @@ HWY_INLINE Vec3f sample_at_view(const MixtureProposal& proposal, const MixtureAt
         const Vec3<FourLanes> w = F::off_centre(centre, max(below, FourLanes(-2.0)), u2);
         const Vec3<FourLanes> light =
             F::light_of(F::grown_along(w, broadcast<FourLanes>(view.tangent.x), broadcast<FourLanes>(view.tangent.y),
-                                       broadcast<FourLanes>(samples.stretch_minus_1[k % 2])),
+                                       broadcast<FourLanes>(hn::GetLane(mixture.map.stretch_minus_1.v))),
                         broadcast<FourLanes>(view.wv));
         wl = F::reflected_up(
             select(broadcast<FourLanes>(LobeTable::k_per_kind - 1) < broadcast<FourLanes>(float(k)), light, w));
@@ -257,14 +235,11 @@ void compute_densities(SamplingPoints& points, const ProposalShape& shape) {
         const Vec3<LobeLanes> wv = load(points.wv, i);
         const Vec3<LobeLanes> tangent =
             shape.has_axis() ? broadcast<LobeLanes>(Vec3f(shape.cosine, shape.sine, 0)) : wv;
-        for (std::size_t parity = 0; parity < 2; ++parity) {
-            if (points.shape && points.shape->lobes[parity] == shape.lobes[parity]) continue;
-            const auto& [stretch, power] = shape.lobes[parity];
-            const auto point = F::proposal_point(
-                load(points.wl, i), wv, F::stretch_along(tangent, broadcast_lobes(stretch)), broadcast_lobes(power));
-            for (std::size_t k = points.shape ? LobeTable::k_per_kind + parity : parity; k < LobeTable::k_count; k += 2)
-                F::proposal_lobe_pdf(int(k), point).store(&points.density[k][i]);
-        }
+        const auto& [stretch, power] = shape.lobes;
+        const auto point = F::proposal_point(
+            load(points.wl, i), wv, F::stretch_along(tangent, broadcast_lobes(stretch)), broadcast_lobes(power));
+        for (std::size_t k = points.shape ? LobeTable::k_per_kind : 0; k < LobeTable::k_count; ++k)
+            F::proposal_lobe_pdf(int(k), point).store(&points.density[k][i]);
         for (std::size_t k = LobeTable::k_count; !points.shape && k < points.density.size(); ++k) {
             const Facets& facets = (*shape.facets)[k - LobeTable::k_count];
             F::facets_pdf(load(points.wl, i), wv,
@@ -354,7 +329,6 @@ const LobeTable& lobe_table() {
             table.scale[i] = lobe.scale, table.rest[i] = lobe.rest;
             table.constant[i] = k > 1, table.linear[i] = k == 0, table.square[i] = k == 1;
             table.half_bandwidth[i] = K::proposal_bandwidth(LobeTable::k_per_kind + k);
-            table.odd[i] = float(k % 2);
         }
         return table;
     }();
@@ -370,6 +344,7 @@ Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector)
 }
 
 void set_densities(SamplingPoints& points, const ProposalShape& shape) {
+    if (points.shape && points.shape->lobes == shape.lobes) return;
     points.density.resize(shape.components());
     for (auto& lobe_density : points.density) lobe_density.resize(points.size());
     HWY_DYNAMIC_DISPATCH(compute_densities)(points, shape);

@@ -40,7 +40,7 @@ template <typename Sample> void add_lattice(int count, const Sample& sample, std
 
 /// Adds to `wl` a lattice of `count` samples of component k of this shape for a view, without those that are lost.
 void add_draws(int count, int k, const ProposalShape& shape, Vec3f wv, std::vector<Vec3f>& wl) {
-    const auto& [stretch, power] = shape.lobes[std::size_t(k % 2)];
+    const auto& [stretch, power] = shape.lobes;
     const K::Stretch map = K::stretch_along(shape.has_axis() ? Vec3f(shape.cosine, shape.sine, 0) : wv, stretch);
     const auto sample_component = [&](float u1, float u2) {
         if (k < MixtureProposal::k_lobes) return K::sample_proposal_lobe(k, wv, map, power, u1, u2);

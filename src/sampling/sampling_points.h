@@ -5,10 +5,10 @@
 
 namespace SRBF_NAMESPACE {
 
-/// The shapes of half-vector lobes, of the even and of the odd ones. They are stretched along the tangent with this
-/// azimuth, or along the plane of incidence if `cosine` and `sine` are both 0.
+/// The shape of half-vector lobes. They are stretched along the tangent with this azimuth, or along the plane of
+/// incidence if `cosine` and `sine` are both 0.
 struct ProposalShape {
-    std::array<HalfVectorShape, 2> lobes;
+    HalfVectorShape lobes;
     float cosine = 0, sine = 0;
     std::optional<FacetTerms> facets = {};  ///< sampled beside the lobes
 

@@ -1,7 +1,7 @@
 /** Options of a fit. Omitted options have the defaults of `srbf fit`. */
 export interface PmFitOptions {
-  /** pm: a sum of products of lobes; ggx: Lambert and one or two GGX lobes. */
-  model?: "pm" | "ggx";
+  /** The kind of model, by its name in `srbf fit --model`. */
+  model?: string;
   lobes?: number;
   variates?: number;
   /** Tables are fitted by "reciprocal". */

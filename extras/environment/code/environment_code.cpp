@@ -8,6 +8,7 @@
 #include "code/added_code.h"
 #include "code/extra_code.h"
 #include "code/print.h"
+#include "extras/environment/code/unroll.h"
 #include "extras/environment/texts.h"
 #include "sampling/elevation_nodes.h"
 #include "srbf/model.h"
@@ -170,7 +171,7 @@ std::map<std::string, std::string> light_entries(const EnvironmentCode& code, Co
 AddedCode added_of(const EnvironmentCode& code, const CodeOptions& options) {
     const LightOptions light{code, options.threads};
     AddedCode added{light_entries(code, options.language), code.draws, light.has_lobes()};
-    added.unrolled = code.unrolled;
+    if (code.unrolled) added.rewrite = syntax::unroll;
     if (code.texels) added.albedo_node = k_texel_of_host;
     added.text = [light](const Model& model, bool of_basis, Program& program, auto& defines) {
         const auto* basis = of_basis ? &std::get<PmModel>(model.model) : nullptr;
@@ -231,12 +232,17 @@ const CodeExtra& code_of_environment() {
           "with NAME_environment, the radiance under an environment that the host has filtered as for GGX"},
          {"environment-draws", "with NAME_environment_sampled, the same by draws, of one that is not filtered"},
          {"area", "with NAME_area, the radiance under a quadrilateral"}},
-        {{"three",
-          "a module for three.js with a class NAMEMaterial of each model; of a map, which goes into\n"
-          "NAME.ktx2 beside it, one with coefficients from textures; of a BSDF each part is a material",
-          three_module, three_map_module},
-         {"three-webgpu", "such a module of models for the WebGPURenderer of three.js", three_webgpu_module, nullptr},
-         {"unity", "a shader for the Universal Render Pipeline of Unity 6, not run in Unity", for_unity, nullptr}},
+        {{.name = "three",
+          .summary = "a module for three.js with a class NAMEMaterial of each model; of a map, which goes into\n"
+                     "NAME.ktx2 beside it, one with coefficients from textures; of a BSDF each part is a material",
+          .text = three_module,
+          .map_text = three_map_module},
+         {.name = "three-webgpu",
+          .summary = "such a module of models for the WebGPURenderer of three.js",
+          .text = three_webgpu_module},
+         {.name = "unity",
+          .summary = "a shader for the Universal Render Pipeline of Unity 6, not run in Unity",
+          .text = for_unity}},
         light_functions};
     return extra;
 }

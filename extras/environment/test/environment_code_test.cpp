@@ -4,7 +4,7 @@
 #include "brdf/directions.h"
 #include "compiled_code.h"
 #include "models.h"
-#include "models/ggx/ggx_functions.h"
+#include "models/ggx/ggx_kind.h"
 #include "srbf/prepared.h"
 #include "statistics.h"
 

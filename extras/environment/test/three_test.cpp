@@ -16,7 +16,7 @@
 #include "extras/render/scene.h"
 #include "models.h"
 #include "models/bsdf/bsdf_functions.h"
-#include "models/ggx/ggx_functions.h"
+#include "models/ggx/ggx_kind.h"
 #include "models/pm/search/fit_pm.h"
 #include "srbf/convert.h"
 #include "srbf/elementary.h"

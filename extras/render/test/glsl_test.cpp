@@ -21,7 +21,7 @@ std::vector<Material> materials() {
     for (const PmForm form : k_forms)
         for (const bool axial : {true, false})
             materials.push_back(random_model(random, {.axial = axial, .form = form}));
-    SuModel su = random_su(random, 100, 2, true);
+    SuModel su = random_su(random, 100, 2);
     materials.push_back(su);
     su.interpolation = SuInterpolation::plain;
     for (const DirectionMap map : {DirectionMap::cube, DirectionMap::parabolic}) {

@@ -15,7 +15,7 @@
 #include "extras/render/scene.h"
 #include "extras/render/slices.h"
 #include "models.h"
-#include "models/ggx/ggx_functions.h"
+#include "models/ggx/ggx_kind.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/su_functions.h"
 #include "srbf/convert.h"

@@ -11,8 +11,8 @@
 #include "measured/tables.h"
 #include "models.h"
 #include "models/bsdf/bsdf_functions.h"
-#include "models/ggx/ggx_functions.h"
-#include "models/openpbr/openpbr_functions.h"
+#include "models/ggx/ggx_kind.h"
+#include "models/openpbr/openpbr_kind.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
 #include "models/su/su_functions.h"
@@ -219,7 +219,7 @@ TEST_P(Raster, ViewByViewModelsLookAsOnTheCpu) {
     EXPECT_GE(psnr(film_su(), knot_scene(), PixelInput::surface), 45);
     // Sharp lobes, other for each view.
     std::mt19937_64 random(2);
-    SuModel sharp = random_su(random, 1536, 3, true);
+    SuModel sharp = random_su(random, 1536, 3);
     for (float& lambda : sharp.bandwidth) lambda *= 30;
     EXPECT_GE(psnr(sharp, sphere_scene()), 45);
 }

@@ -23,20 +23,16 @@ struct GaussianProduct {
     Vec3 centre;
     Real bandwidth;
     Real width;
-    Real scale;
 };
 
-// G(omega.xi1 | l1) G(omega.xi2 | l2) = scale G(omega.centre | bandwidth), where bandwidth centre = l1 xi1 + l2 xi2 and
-// scale = exp(bandwidth - l1 - l2). The width is 1 / bandwidth. The centre is the zero vector if the bandwidth is 0.
+// G(omega.xi1 | l1) G(omega.xi2 | l2) is exp(bandwidth - l1 - l2) G(omega.centre | bandwidth), where bandwidth centre =
+// l1 xi1 + l2 xi2. The width is 1 / bandwidth. The centre is the zero vector if the bandwidth is 0.
 SRBF_FN GaussianProduct gaussian_product(Vec3 centre1, Real bandwidth1, Vec3 centre2, Real bandwidth2) {
     Vec3 axis = bandwidth1 * centre1 + bandwidth2 * centre2;
-    Vec3 apart = centre1 - centre2;
-    Real sum = bandwidth1 + bandwidth2;
     Real squared = dot(axis, axis);
     GaussianProduct product;
     product.width = inversesqrt(max(squared, Real(1.0e-30)));
     product.bandwidth = squared * product.width;
     product.centre = product.width * axis;
-    product.scale = exp(-bandwidth1 * bandwidth2 * dot(apart, apart) / max(product.bandwidth + sum, Real(1.0e-20)));
     return product;
 }

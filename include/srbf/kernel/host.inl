@@ -84,9 +84,6 @@ template <typename Real_, typename Model, typename ByView = SuModel> struct Form
     static Vec3 su_direction(Su su, int view) { return triple(su.direction[std::size_t(view)]); }
     static Vec3 su_centre(Su su, int view, int j) { return triple(su.centre[std::size_t(view * su.lobes + j)]); }
     static float su_bandwidth(Su su, int view, int j) { return su.bandwidth[std::size_t(view * su.lobes + j)]; }
-    static float su_shape(Su su, int view, int j) {
-        return su.shape.empty() ? 0.f : su.shape[std::size_t(view * su.lobes + j)];
-    }
     static Vec3 su_coefficient(Su su, int view, int j) {
         const auto& coefficient = su.coefficient[std::size_t(view * su.lobes + j)];
         return Vec3(Real(coefficient.r), Real(coefficient.g), Real(coefficient.b));

@@ -76,25 +76,11 @@ SRBF_FN HalfVector half_vector(Vec3 wl, Vec3 wv, Stretch map) {
     return h;
 }
 
-// The density of wl = 2 (h . wv) h - wv [1/sr], with h above the horizon from the stretched lobe weighted by visibility
-// from wv.
-SRBF_FN Real half_vector_pdf(Vec3 wl, Vec3 wv, Real bandwidth, Stretch map, Real power) {
-    HalfVector h = half_vector(wl, wv, map);
-    GaussianProduct lobe = visible_lobe(stretched(wv, map), map.inverse, bandwidth, power);
-    return vmf_pdf(h.direction, lobe.centre, lobe.bandwidth) * h.factor;
-}
-
 // The light direction wl that a facet with the normal h, of any length, reflects to the viewer, also if it faces away
 // from the viewer. The result is the zero vector where h.z <= 0.
 SRBF_FN Vec3 light_of(Vec3 h, Vec3 wv) {
     Real twice = Real(2.0) * dot(h, wv) / max(dot(h, h), Real(1.0e-20));
     return select(Real(0.0) < h.z, Real(1.0), Real(0.0)) * (twice * h - wv);
-}
-
-// Samples half_vector_pdf. The result is the zero vector if there is no direction.
-SRBF_FN Vec3 sample_half_vector(Vec3 wv, Real bandwidth, Stretch map, Real power, Real u1, Real u2) {
-    GaussianProduct lobe = visible_lobe(stretched(wv, map), map.inverse, bandwidth, power);
-    return light_of(stretched(sample_vmf(lobe.centre, lobe.bandwidth, u1, u2), map), wv);
 }
 
 // Facets with GGX's distribution of normals, by the symmetric matrix M = ((xx, xy), (xy, yy)), whose eigenvalues are
@@ -153,7 +139,7 @@ SRBF_FN Real facets_pdf(Vec3 wl, Vec3 wv, Facets facets) {
 // direction, with lambda = 4, 16, 64, 256 and, for highlights narrower than any half-vector lobe, 8 4^6 and 8 4^7.
 // Directions of these lobes below the horizon are reflected to above it, so that no sample is lost.
 // Components of half vectors are 8 to 15: lobes with lambda = 8, 32, .. 8 4^7, stretched, and weighted by a power
-// of their visibility. The even and the odd ones have a stretch and a power each.
+// of their visibility.
 #define SRBF_PROPOSAL_LOBES 16
 #define SRBF_FIRST_HALF_VECTOR_LOBE 8
 // Where a view is between the nodes of a mixture, from 0 at the normal to 1 at cos(theta_v) = 0.1^4 and below.

@@ -3,41 +3,14 @@
 //     su_lobes(su), su_views(su)             J, n                            [int]
 //     su_direction(su, i)                    the direction of sampled view i (unit vector; z rises with i)
 //     su_centre(su, i, j), su_bandwidth(su, i, j), su_coefficient(su, i, j)   xi_ij, lambda_ij, beta_ij (R, G, B)
-//     su_shape(su, i, j)                     tau_ij or -alpha_ij; 0 if the model has neither
 //   SuNearest               a handle of the sampled views nearest to a direction with the function
 //     su_nearest(nearest, k)                 index of the k-th nearest, from k = 0 on   [int]
 
-// The relative excess of the path of a direction through a layer over that along the normal: 1/cos(theta) - 1. A
-// layer of optical depth tau transmits e^-(tau slant) times what it transmits along the normal. Cosines below 1e-6
-// count as 1e-6.
-SRBF_FN Real slant(Real cosine) { return Real(1.0) / max(cosine, Real(1.0e-6)) - Real(1.0); }
-
-// The unit tangent perpendicular to the plane of w and the normal; the zero vector if w is the normal.
-SRBF_FN Vec3 tangent_across(Vec3 w) {
-    Real reciprocal = inversesqrt(max(w.x * w.x + w.y * w.y, Real(1.0e-20)));
-    return Vec3(-reciprocal * w.y, reciprocal * w.x, Real(0.0));
-}
-
-// The exponent of a lobe with a shape. `apart` is the difference omega - xi from the centre, `across` its component
-// along a tangent, and `further` is slant(omega.z). A shape tau > 0 attenuates the lobe: -tau slant. A shape -alpha
-// < 0 narrows it along the tangent, to 1 + alpha times its bandwidth. A lobe of shape 0 is a Gaussian.
-SRBF_FN Real shaped_exponent(Vec3 apart, Real across, Real further, Real bandwidth, Real shape) {
-    Real squared = dot(apart, apart) - min(shape, Real(0.0)) * (across * across);
-    return Real(-0.5) * bandwidth * squared - max(shape, Real(0.0)) * further;
-}
-
-// The function of sampled view i: sum_j beta_ij G(wl . xi_ij | lambda_ij) [1/sr], for R, G, B, where G is a lobe
-// with a shape. The tangent is perpendicular to the plane of the view and the normal.
+// The function of sampled view i: sum_j beta_ij G(wl . xi_ij | lambda_ij) [1/sr], for R, G, B.
 SRBF_FN Vec3 su_view_value(Su su, int view, Vec3 wl) {
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
-    Vec3 tangent = tangent_across(su_direction(su, view));
-    Real further = slant(wl.z);
-    for (int j = 0; j < su_lobes(su); ++j) {
-        Vec3 apart = wl - su_centre(su, view, j);
-        Real exponent = shaped_exponent(apart, dot(apart, tangent), further, Real(su_bandwidth(su, view, j)),
-                                        Real(su_shape(su, view, j)));
-        sum = sum + exp_of_lobe(exponent) * su_coefficient(su, view, j);
-    }
+    for (int j = 0; j < su_lobes(su); ++j)
+        sum = sum + gaussian(wl, su_centre(su, view, j), Real(su_bandwidth(su, view, j))) * su_coefficient(su, view, j);
     return sum;
 }
 

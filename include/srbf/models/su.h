@@ -37,10 +37,9 @@ struct IndexTexture {
 };
 
 /// Scattered univariate SRBFs (Tsai 2009, section 7.2): for each sampled view direction wv_i
-///   ρ(wl, wv_i) = Σ_j β_ij G(wl·ξ_ij | λ_ij) e^{−τ_ij (1/cosθl − 1)} e^{−α_ij λ_ij ((wl − ξ_ij)·t_i)²/2} [1/sr],
-/// t_i the tangent across the plane of incidence, and between them interpolation. At least one of τ_ij, α_ij is 0.
-/// Evaluated by the su_ functions of kernel.glsl. With `discretise` light, wl and wv are exchanged. docs/formats.md
-/// describes the file encoding.
+///   ρ(wl, wv_i) = Σ_j β_ij G(wl·ξ_ij | λ_ij) [1/sr],
+/// and between them interpolation. Evaluated by the su_ functions of kernel.glsl. With `discretise` light, wl and wv are
+/// exchanged. docs/formats.md describes the file encoding.
 struct SuModel {
     Discretise discretise = Discretise::view;
     SuInterpolation interpolation = SuInterpolation::rotated;
@@ -50,7 +49,6 @@ struct SuModel {
     std::vector<Rgb> coefficient;       ///< n × J: β_ij ≥ 0; all 0 for a view without data
     std::vector<Vec3f> centre;          ///< n × J: ξ_ij, unit vectors
     std::vector<float> bandwidth;       ///< n × J: λ_ij ≥ 0
-    std::vector<float> shape;           ///< n × J: τ_ij − α_ij; or none, as in Tsai 2009: all 0
     std::optional<IndexTexture> index;  ///< only if the file contains it
     friend bool operator==(const SuModel&, const SuModel&) = default;
 };

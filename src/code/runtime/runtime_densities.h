@@ -1,14 +1,11 @@
 // A mixture of the components of kernel.glsl's proposal, whose weights are linear in mixture_position(cos(theta_v))
 // between nodes: cosines and lobes of directions, from 8 on lobes of half vectors, then facets. After the weights
-// follow stretch and power of the even half-vector lobes, and of the odd ones.
+// follow stretch and power of the half-vector lobes.
 #define SRBF_NODES 15
 #define SRBF_SLOTS 8
 #define SRBF_FACET_SLOT (2 * SRBF_SLOTS)
 #define SRBF_STRETCH (2 * SRBF_SLOTS + 2)
 #define SRBF_NUMBERS (3 * SRBF_SLOTS)
-// Even and odd half-vector lobes alternate in a vector; single lanes have two maps.
-#define SRBF_MAPS (SRBF_LANES > 1 ? 1 : 2)
-#define SRBF_MAP_OF(slot) ((slot) / SRBF_LANES % SRBF_MAPS)
 typedef struct {
     float axis[2];  // the tangent along which half-vector lobes are stretched; 0 for the viewer's
     int facets;
@@ -21,7 +18,7 @@ typedef struct {
     const srbf_mixture* mixture;
     srbf_vec3 wv;
     float number[SRBF_NUMBERS];
-    srbf_x_Stretch map[2];
+    srbf_x_Stretch map;
     int has_halves;
     srbf_x_ProposalLobe lobe[SRBF_FACET_SLOT / SRBF_LANES];  // of groups of slots that have weight
 } srbf_view;
@@ -35,21 +32,19 @@ SRBF_FN void srbf_set_view(srbf_view* view) {
     const int has_axis = axis[0] != 0.0f || axis[1] != 0.0f;
     const srbf_x_vec3 v = srbf_x_all(view->wv),
                       tangent = has_axis ? srbf_x_all(srbf_vec3_of(axis[0], axis[1], 0.0f)) : v;
-    const float* shape = view->number + SRBF_STRETCH;
+    const srbf_x power = srbf_x_of(view->number[SRBF_STRETCH + 1]);
     int i;
     view->has_halves = 0;
+    view->map = srbf_x_stretch_along(tangent, srbf_x_of(view->number[SRBF_STRETCH]));
     for (i = 0; i < SRBF_SLOTS; i += SRBF_LANES, slots += SRBF_LANES) {
-        const srbf_x odd = srbf_x_load(slots + 64), power = shape[1] + odd * (shape[3] - shape[1]);
         srbf_x_ProposalLobe* lobe = &view->lobe[i / SRBF_LANES];
-        srbf_x_Stretch* map = &view->map[SRBF_MAP_OF(i)];
-        if (i < SRBF_MAPS * SRBF_LANES) *map = srbf_x_stretch_along(tangent, shape[0] + odd * (shape[2] - shape[0]));
         lobe->centre = srbf_x_vec3_of(-v.x, -v.y, v.z), lobe->bandwidth = srbf_x_load(slots);
         lobe->width = srbf_x_load(slots + 8), lobe->scale = srbf_x_load(slots + 16);
         lobe->rest = srbf_x_load(slots + 24);
         if (!srbf_has_weight(view, SRBF_SLOTS + i)) continue;
         view->has_halves = 1;
         lobe[SRBF_SLOTS / SRBF_LANES] =
-            srbf_x_half_vector_lobe(srbf_x_stretched(v, *map), map->inverse, srbf_x_load(slots + 56), power);
+            srbf_x_half_vector_lobe(srbf_x_stretched(v, view->map), view->map.inverse, srbf_x_load(slots + 56), power);
     }
 }
 SRBF_FN void srbf_view_of(srbf_view* view, const srbf_mixture* mixture, srbf_vec3 wv) {
@@ -71,19 +66,19 @@ SRBF_FN float srbf_view_pdf(const srbf_view* view, srbf_vec3 wl, float* density)
     const srbf_x_vec3 l = srbf_x_all(wl), v = srbf_x_all(view->wv), mirrored = srbf_x_vec3_of(l.x, l.y, -l.z);
     const float* slots = srbf_slots();
     float pdf, facets[2] = {0.0f, 0.0f};
-    srbf_x_HalfVector above[3], below[3];  // of lobes of directions, and of half vectors
+    srbf_x_HalfVector above[2], below[2];  // of lobes of directions, and of half vectors
     srbf_x sum = srbf_x_of(0.0f);
     int i;
     above[0].direction = l, below[0].direction = mirrored, above[0].factor = below[0].factor = srbf_x_of(1.0f);
-    above[1] = above[2] = above[0], below[1] = below[2] = below[0];
-    for (i = 0; i < SRBF_MAPS && view->has_halves; ++i) {
-        above[i + 1] = srbf_x_half_vector(l, v, view->map[i]);
-        below[i + 1] = srbf_x_half_vector(mirrored, v, view->map[i]);
+    above[1] = above[0], below[1] = below[0];
+    if (view->has_halves) {
+        above[1] = srbf_x_half_vector(l, v, view->map);
+        below[1] = srbf_x_half_vector(mirrored, v, view->map);
     }
     SRBF_UNROLL
     for (i = 0; i < SRBF_FACET_SLOT; i += SRBF_LANES) {
         if (srbf_has_weight(view, i)) {
-            const int kind = i < SRBF_SLOTS ? 0 : 1 + SRBF_MAP_OF(i);
+            const int kind = i / SRBF_SLOTS;
             srbf_x each;
             if (i < SRBF_SLOTS) {  // the cosines are 0 below the horizon
                 below[0].factor = srbf_x_load(slots + 32 + i);
@@ -113,15 +108,14 @@ SRBF_FN float srbf_lane(srbf_x x, int i) {
 SRBF_FN srbf_vec3 srbf_slot_sample(const srbf_view* view, int slot, float u1, float u2) {
     const int facet = slot - SRBF_FACET_SLOT, lane = slot % SRBF_LANES;
     const srbf_x_ProposalLobe* lobe = &view->lobe[facet < 0 ? slot / SRBF_LANES : 0];
-    const srbf_x_Stretch* map = &view->map[SRBF_MAP_OF(slot)];
     srbf_vec3 w = srbf_vec3_of(0.0f, 0.0f, 1.0f);
     if (slot < 2) return srbf_off_centre(w, srbf_below_power_cosine(1.0f / (float)(2 + slot), u1), u2);
     if (facet >= 0) return srbf_sample_facets(view->wv, view->mixture->facet[facet], u1, u2);
     w = srbf_vec3_of(srbf_lane(lobe->centre.x, lane), srbf_lane(lobe->centre.y, lane), srbf_lane(lobe->centre.z, lane));
     w = srbf_sample_sharp_vmf(w, srbf_lane(lobe->width, lane), srbf_lane(lobe->rest, lane), u1, u2);
     if (slot >= SRBF_SLOTS) {
-        w = srbf_grown_along(w, srbf_lane(map->x, lane), srbf_lane(map->y, lane),
-                             srbf_lane(map->stretch_minus_1, lane));
+        w = srbf_grown_along(w, srbf_lane(view->map.x, 0), srbf_lane(view->map.y, 0),
+                             srbf_lane(view->map.stretch_minus_1, 0));
         w = srbf_light_of(w, view->wv);
     }
     return srbf_reflected_up(w);

@@ -126,7 +126,7 @@ static int srbf_read_pm(srbf_file* file, srbf_model* model) {
 static int srbf_read_su(srbf_file* file, srbf_model* model) {
     srbf_view_lobes* su = &model->su;
     const size_t views = srbf_extent(file, "bandwidth", 0, 8192), lobes = srbf_extent(file, "bandwidth", 1, 64);
-    const srbf_tensor *coefficient, *bandwidth, *centre, *shape = 0;
+    const srbf_tensor *coefficient, *bandwidth, *centre;
     size_t i, j;
     float* number;
     su->of_lights = srbf_choice(file, "discretise", "view light ", SRBF_BAD_METADATA);
@@ -136,21 +136,20 @@ static int srbf_read_su(srbf_file* file, srbf_model* model) {
     coefficient = srbf_need(file, "coefficient", views, lobes, 3, 0.0f, SRBF_MOST);
     bandwidth = srbf_need(file, "bandwidth", views, lobes, 0, 0.0f, SRBF_MOST);
     centre = srbf_need(file, "centre", views, lobes, 2, -SRBF_MOST, SRBF_MOST);
-    if (srbf_find(file, "shape")) shape = srbf_need(file, "shape", views, lobes, 0, -SRBF_MOST, SRBF_MOST);
     if (views < 8) srbf_fail_tensor(file, bandwidth);
     if (file->error) return 0;
-    su->number = number = (float*)srbf_take(file, views * (3 + 8 * lobes) * sizeof *number);
+    su->number = number = (float*)srbf_take(file, views * (3 + 7 * lobes) * sizeof *number);
     // Views are the Fibonacci set of the hemisphere, and angles are relative to the mirror direction.
     for (i = 0; number && i < views; ++i) {
         const double z = ((double)i + 0.5) / (double)views, r = sqrt(1.0 - z * z), phi = 2.3999632297286533 * (double)i;
         const float theta0 = atan2f((float)r, (float)z), phi0 = atan2f(-(float)(r * sin(phi)), -(float)(r * cos(phi)));
         *number++ = (float)(r * cos(phi)), *number++ = (float)(r * sin(phi)), *number++ = (float)z;
-        for (j = i * lobes; j < (i + 1) * lobes; ++j, number += 8) {
+        for (j = i * lobes; j < (i + 1) * lobes; ++j, number += 7) {
             const float theta = theta0 + srbf_number(file, centre, 2 * j);
             const srbf_vec3 beta = srbf_numbers(file, coefficient, 3 * j);
             const srbf_vec3 xi = srbf_spherical(theta, phi0 + srbf_number(file, centre, 2 * j + 1));
             memcpy(number, &beta, sizeof beta), number[3] = srbf_number(file, bandwidth, j);
-            memcpy(number + 4, &xi, sizeof xi), number[7] = srbf_number(file, shape, j);
+            memcpy(number + 4, &xi, sizeof xi);
         }
     }
     return !file->error;

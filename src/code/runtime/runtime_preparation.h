@@ -34,15 +34,15 @@ SRBF_INLINE srbf_vec3 srbf_part_value(const srbf_part* part, srbf_vec3 wl, srbf_
 static float srbf_luminance(srbf_vec3 f) { return 0.2126f * f.x + 0.7152f * f.y + 0.0722f * f.z; }
 static float srbf_turns(double x) { return (float)(x - floor(x)); }
 
-// A view where all slots have weight, and half-vector lobes these stretches and powers.
-static void srbf_set_shape(srbf_view* view, const srbf_mixture* mixture, srbf_vec3 wv, const float shape[4]) {
+// A view where all slots have weight, and half-vector lobes this stretch and power.
+static void srbf_set_shape(srbf_view* view, const srbf_mixture* mixture, srbf_vec3 wv, const float shape[2]) {
     int k;
     for (k = 0; k < SRBF_NUMBERS; ++k) view->number[k] = 1.0f;
-    memcpy(view->number + SRBF_STRETCH, shape, 4 * sizeof *shape);
+    memcpy(view->number + SRBF_STRETCH, shape, 2 * sizeof *shape);
     view->mixture = mixture, view->wv = wv;
     srbf_set_view(view);
 }
-static void srbf_set_densities(srbf_points* points, const srbf_mixture* mixture, const float shape[4]) {
+static void srbf_set_densities(srbf_points* points, const srbf_mixture* mixture, const float shape[2]) {
     srbf_view view;
     int i;
     for (i = 0; i < points->count; ++i) {
@@ -82,7 +82,7 @@ static float srbf_least_moment(const srbf_points* points, int steps, float weigh
 // Sets samples of all components in a wide and a narrow shape at the points' views, weighted by the square of
 // f cos(theta_l) over its integral.
 static void srbf_make_points(const srbf_part* part, srbf_points* points) {
-    static const float shapes[2][4] = {{1.0f, 1.0f, 1.0f, 1.0f}, {0.4f, 2.4f, 0.1f, 2.4f}};
+    static const float shapes[2][2] = {{1.0f, 1.0f}, {0.2f, 2.4f}};
     const int draws = SRBF_MOST_POINTS / (points->views * 2 * points->components), half = points->components * draws;
     double albedo = 0.0;
     srbf_view view;
@@ -116,16 +116,14 @@ static void srbf_make_points(const srbf_part* part, srbf_points* points) {
     }
 }
 
-// Stretches 0.64^a and powers 0.64^(1 - b) of the even and of the odd lobes, from their steps a, b.
-static void srbf_shape_of(const int at[4], float shape[4]) {
-    int i;
-    for (i = 0; i < 4; ++i) shape[i] = powf(0.64f, (float)(i % 2 ? 1 - at[i] : at[i]));
+// The stretch 0.64^a and the power 0.64^(1 - b), from the steps a, b.
+static void srbf_shape_of(const int at[2], float shape[2]) {
+    shape[0] = powf(0.64f, (float)at[0]), shape[1] = powf(0.64f, (float)(1 - at[1]));
 }
-// The numbers of a node: the shapes by descent, first of all lobes together, then of the odd and of the even ones; then
-// the weights of least variance.
+// The numbers of a node: the shape by descent, then the weights of least variance.
 static void srbf_make_node(srbf_part* part, srbf_points* points, int node) {
-    float *number = part->mixture.number[node], shape[4], least, moment, sum = 0.0f;
-    int i, k, move, best[4] = {0, 1, 0, 1}, is_better = node > 0;
+    float *number = part->mixture.number[node], shape[2], least, moment, sum = 0.0f;
+    int i, move, best[2] = {0, 1}, is_better = node > 0;
     points->views = part->model->is_isotropic ? 3 : 8;
     for (i = 0; i < points->views; ++i) {
         const float apart = points->views == 3 ? ((float)i - 1.0f) / 3.0f : 0.0f;
@@ -138,16 +136,12 @@ static void srbf_make_node(srbf_part* part, srbf_points* points, int node) {
     srbf_set_densities(points, &part->mixture, shape);
     least = srbf_least_moment(points, 15, number);
     while (is_better) {
-        int centre[4];
-        memcpy(centre, best, sizeof centre);
+        const int centre[2] = {best[0], best[1]};
         is_better = 0;
-        for (move = 0; move < 12; ++move) {  // of both, of the even and of the odd lobes: stretch or power up or down
-            int at[4];
-            memcpy(at, centre, sizeof at);
-            for (k = 0; k < 2; ++k)
-                if (move / 4 != 1 + k) at[2 * k + move % 2] += move / 2 % 2 ? 1 : -1;
-            for (k = 0; k < 2 && at[2 * k] >= -2 && at[2 * k] <= 10 && at[2 * k + 1] >= 0 && at[2 * k + 1] <= 7;) ++k;
-            if (k < 2) continue;
+        for (move = 0; move < 4; ++move) {  // stretch or power up or down
+            int at[2] = {centre[0], centre[1]};
+            at[move % 2] += move / 2 ? 1 : -1;
+            if (at[0] < -2 || at[0] > 10 || at[1] < 0 || at[1] > 7) continue;
             srbf_shape_of(at, shape);
             srbf_set_densities(points, &part->mixture, shape);
             moment = srbf_least_moment(points, 15, number);
@@ -155,8 +149,7 @@ static void srbf_make_node(srbf_part* part, srbf_points* points, int node) {
         }
     }
     srbf_shape_of(best, shape);
-    if (node == 0)
-        for (i = 0; i < 4; ++i) shape[i] = 1.0f;
+    if (node == 0) shape[0] = shape[1] = 1.0f;
     srbf_set_densities(points, &part->mixture, shape);
     srbf_least_moment(points, 60, number);
     number[0] = srbf_max(number[0], 0.02f);

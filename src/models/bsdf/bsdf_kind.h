@@ -26,7 +26,6 @@ template <> struct Kind<BsdfModel> {
     static void add_rows(std::string& text, const BsdfModel& model);
     static Parameters members(const BsdfModel& model);
     static Parameters parameters(const BsdfModel& model);
-    static std::vector<Model> terms(const BsdfModel& model, std::size_t most);
     static std::string formula_text(const BsdfModel& model, const NumberText& number);
     static bool matches(const ParameterReader& reader);
     static BsdfModel from_parameters(ParameterReader& reader);

@@ -76,11 +76,6 @@ BsdfModel Kind<BsdfModel>::from_parameters(ParameterReader& reader) {
     return model;
 }
 
-std::vector<Model> Kind<BsdfModel>::terms(const BsdfModel& model, std::size_t most) {
-    const Answering<Model> front = answering(model.part, Part::reflection_front);
-    return front.brdf ? terms_of(*front.brdf, most) : std::vector<Model>{};
-}
-
 std::string Kind<BsdfModel>::formula_text(const BsdfModel&, const NumberText&) { return {}; }
 
 }  // namespace srbf

@@ -2,9 +2,7 @@
 #include "base/errors.h"
 #include "base/half.h"
 #include "base/least_squares.h"
-#include "base/levenberg_marquardt.h"
 #include "base/parallel.h"
-#include "models/ggx/ggx_functions.h"
 #include "models/ggx/ggx_kind.h"
 #include "observe/pair_weights.h"
 #include "observe/surface_problem.h"
@@ -204,27 +202,6 @@ struct GgxVariables {
         return most;
     }
 };
-using GgxPictures = SurfaceProblem<GgxVariables>;
-
-struct GgxCandidate {
-    GgxModel model;
-    double loss = 0;
-};
-
-/// Levenberg-Marquardt from each candidate. Keeps the best ones, in order of their loss.
-void look_alike(std::vector<GgxCandidate>& candidates, std::size_t kept, const SurfaceData& data,
-                const GgxVariables& variables, int steps, int threads) {
-    parallel_for(candidates.size(), threads, [&](std::size_t i) {
-        GgxPictures problem(data, variables);
-        Eigen::VectorXd x = problem.x_of(candidates[i].model);
-        candidates[i].loss =
-            steps == 0 ? problem.loss(x)
-                       : levenberg_marquardt(problem, x, {.max_iterations = steps, .adapts_to_bounds = true}).loss;
-        candidates[i].model = problem.model(x);
-    });
-    std::ranges::stable_sort(candidates, {}, &GgxCandidate::loss);
-    candidates.resize(std::min(candidates.size(), kept));
-}
 
 /// The share of pairs in the loss, for the model that is solved for pairs; about that of the default fit. Without pairs
 /// the RMS of radiance is up to twice as large.
@@ -235,23 +212,19 @@ constexpr double k_pair_share = 0.3;
 Result<Fitted<GgxModel>> fit_pixels(const Observations& observations, GgxProblem& pairs, const GgxModel& solved,
                                     double least_log, int threads, const ProgressToken& progress) {
     const GgxVariables variables{least_log, solved.lobes.size(), observations.is_grey()};
-    std::vector<GgxCandidate> candidates{{solved}};
+    std::vector<SurfaceCandidate<GgxModel>> candidates{{solved}};
     for (const LogRoughness& log_alpha : roughness_grid(int(solved.lobes.size()), least_log))
         candidates.push_back({pairs.solve(log_alpha).model});
-    // Candidates that are kept, the n of `SurfaceData`, and steps.
-    constexpr struct {
-        std::size_t kept, n;
-        int steps;
-    } rounds[] = {{24, 8, 0}, {6, 4, 12}, {1, 1, 40}};
+    const auto variables_of = [&](const GgxModel&) { return variables; };
     double done = 0.5;
     std::optional<SurfaceData> data;
-    for (const auto& [kept, n, steps] : rounds) {
+    for (const SurfaceRound& round : {SurfaceRound{candidates.size(), 8, 0}, {24, 4, 12}, {6, 1, 40}}) {
         if (!progress.report("fitting pixels", done)) return cancelled_error("fit");
-        data.emplace(observations, n).add_pairs(observations, n, evaluator(solved), k_pair_share);
-        look_alike(candidates, kept, *data, variables, steps, threads);
+        data.emplace(observations, round.n).add_pairs(observations, round.n, evaluator(solved), k_pair_share);
+        lower(candidates, round, *data, variables_of, threads);
         done += 0.15;
     }
-    GgxPictures problem(*data, variables);
+    SurfaceProblem problem(*data, variables);
     const auto& [best, loss] = candidates[0];
     const GgxModel model = rounded(best);
     return Fitted<GgxModel>{model, best, problem.loss(model), loss};

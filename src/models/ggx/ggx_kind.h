@@ -1,15 +1,13 @@
 #pragma once
 #include <string>
 
-#include "models/ggx/ggx_functions.h"
 #include "models/kind/numbers.h"
 #include "observe/observations.h"
+#include "srbf/kernel.h"
 #include "srbf/models/ggx.h"
 #include "srbf/progress.h"
 
 namespace SRBF_NAMESPACE {
-
-constexpr bool is_stored(const GgxModel&, const Member<GgxModel, GgxModel::Lobe>&) { return true; }
 
 template <> struct Kind<GgxModel> : KindOfNumbers<GgxModel> {
     static constexpr std::string_view name = GgxRequest::k_name, words = "Lambert and GGX";
@@ -25,12 +23,12 @@ template <> struct Kind<GgxModel> : KindOfNumbers<GgxModel> {
         {.name = "f90", .least = 0, .most = k_unbounded, .lobe_number = &Lobe::f90, .tensor = "grazing", .row = "F90"},
     };
     static Result<GgxModel> read(Safetensors& content, const std::string& file_name);
+    static auto rho(const GgxModel& model) {
+        return [diffuse = vector_of(model.diffuse), first = lobe_of(model, 0), second = lobe_of(model, 1)](
+                   Vec3f wl, Vec3f wv) { return Kernel<float>::ggx_value(diffuse, first, second, wl, wv); };
+    }
     static std::string summary(const GgxModel& model);
-    static void add_rows(std::string& text, const GgxModel& model);
-    static Parameters members(const GgxModel& model);
-    static std::vector<Model> terms(const GgxModel& model, std::size_t most);
     static std::string formula_text(const GgxModel& model, const NumberText& number);
-    static bool matches(const ParameterReader& reader) { return reader.has("f0"); }
     /// Minimises Σ w |f−f̂|² over the observations. For given roughness all other parameters solve a non-negative
     /// linear problem. Roughness is optimised by pattern search from the best values on a grid of half octaves, which
     /// is evaluated on a subset; no roughness is below the observations' least. The loss of `model` is that before the
@@ -40,6 +38,12 @@ template <> struct Kind<GgxModel> : KindOfNumbers<GgxModel> {
     /// Errors: options out of range, fewer observations than parameters, values that are not finite; cancelled.
     static Result<Fitted<GgxModel>> fit(const Observations& observations, const GgxRequest& request = {},
                                         const FitConditions& conditions = {}, const ProgressToken& progress = {});
+
+  private:
+    static Kernel<float>::GgxLobe lobe_of(const GgxModel& model, std::size_t i) {
+        if (i >= model.lobes.size()) return {1, {0, 0, 0}, 0};
+        return {model.lobes[i].roughness, vector_of(model.lobes[i].f0), model.lobes[i].f90};
+    }
 };
 
 }  // namespace srbf

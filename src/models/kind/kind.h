@@ -11,13 +11,12 @@ namespace SRBF_NAMESPACE {
 ///   Result<M> read(Safetensors&, const std::string& file_name)   the inverse; removes the metadata that it reads
 ///   double largest(const M&)                           the largest number before `content` clamps it to 65504
 ///   std::string summary(const M&), void add_rows(std::string& text, const M&), Parameters members(const M&),
-///   Parameters parameters(const M&), std::vector<Model> terms(const M&, std::size_t most),
-///   std::string formula_text(const M&, const NumberText&)   as in models/kind/parameters.h
-///   const char* not_for_radiance                       if Radiance has no formula for it, its name in the error
+///   Parameters parameters(const M&), std::string formula_text(const M&, const NumberText&)   as in
+///                                                      models/kind/parameters.h
 ///   bool matches(const ParameterReader&)                 true if the parameters are of this kind, by a name that no kind
 ///                                                      before it in `AnyModel` has
 ///   M from_parameters(ParameterReader&)                        the inverse of `parameters`
-/// A kind that is a list of numbers inherits most of these from `KindOfNumbers` (numbers.h).
+/// A kind that is a list of numbers inherits all of these that it does not have from `KindOfNumbers` (numbers.h).
 /// A kind that is fitted to observations alone also has, with R its request,
 ///   Result<Fitted<M>> fit(const Observations&, const R&, const FitConditions&, const ProgressToken&)
 template <typename M> struct Kind;
@@ -40,5 +39,9 @@ template <typename M> Result<M> as_stored(const M& model, const std::string& fil
     Safetensors content = Kind<M>::content(model);
     return Kind<M>::read(content, file_name);
 }
+/// `model`, a valid one, rounded as in its file.
+template <typename M>
+requires requires { Kind<M>::name; }
+M rounded(const M& model) { return *as_stored(model); }
 
 }  // namespace srbf

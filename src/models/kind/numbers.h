@@ -1,4 +1,4 @@
-// Kinds of models that one list of numbers describes: file, parameters, rows and ranges follow from it.
+// Kinds of models that one list of numbers describes: file, parameters, rows, reports and ranges follow from it.
 #pragma once
 #include <fmt/ranges.h>
 
@@ -6,7 +6,10 @@
 #include <limits>
 
 #include "base/errors.h"
+#include "base/floating_point.h"
 #include "base/half.h"
+#include "brdf/rows.h"
+#include "brdf/values.h"
 #include "models/kind/kind.h"
 
 SRBF_BEGIN
@@ -56,7 +59,48 @@ template <typename M, typename Lobe> NumberArray array_of(const M& model, const 
     return {std::move(shape), numbers_of(model, of, 0, slots)};
 }
 
-/// Functions of `Kind<M>` by its list `numbers`. A file has the members that `is_stored(model, member)`.
+/// A file has the members that are stored: all of them, unless the kind says otherwise.
+template <typename M, typename Lobe> constexpr bool is_stored(const M&, const Member<M, Lobe>&) { return true; }
+
+template <typename M>
+concept OfNumbers = requires {
+    Kind<M>::numbers;
+};
+/// How many numbers are stored.
+template <OfNumbers M> std::size_t number_count(const M& model) {
+    std::size_t count = 0;
+    for (const auto& of : Kind<M>::numbers) count += is_stored(model, of) ? array_of(model, of).numbers.size() : 0;
+    return count;
+}
+// The functions of a `Model` (model.h); a kind that is anisotropic or not reciprocal has its own.
+template <OfNumbers M> std::size_t payload_bytes(const M& model) { return 2 * number_count(model); }
+template <OfNumbers M> constexpr std::size_t auxiliary_bytes(const M&) { return 0; }
+template <OfNumbers M> constexpr bool is_isotropic(const M&) { return true; }
+template <OfNumbers M> constexpr void exchange(M&) {}
+
+/// A kind that is evaluated pair by pair: `Kind<M>::rho(model)` is the function of wl and wv above the horizon.
+template <typename M>
+concept OfPairs = requires {
+    &Kind<M>::rho;
+};
+template <OfPairs M>
+void evaluate(const M& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+    const StandardArithmetic mode;
+    require_equal_lengths(wl.size(), wv.size(), f.size());
+    const auto rho = Kind<M>::rho(model);
+    for (std::size_t i = 0; i < f.size(); ++i) {
+        const Vec3f value = rho(wl[i], wv[i]);
+        f[i] = above_horizon(wl[i], wv[i]) ? Rgb{value.x, value.y, value.z} : Rgb{};
+    }
+}
+template <OfPairs M> Rgb value(const M& model, Vec3f wl, Vec3f wv) {
+    Rgb f;
+    evaluate(model, {&wl, 1}, {&wv, 1}, {&f, 1});
+    return f;
+}
+inline Vec3f vector_of(const Rgb& colour) { return {colour.r, colour.g, colour.b}; }
+
+/// Functions of `Kind<M>` by its list `numbers`.
 template <typename M> struct KindOfNumbers {
     static Safetensors content(const M& model) {
         Safetensors content;
@@ -69,6 +113,9 @@ template <typename M> struct KindOfNumbers {
                 tensor.data.push_back(to_half(std::clamp(x, of.least, std::min(of.most, k_half_max))));
         }
         return content;
+    }
+    static Result<M> read(Safetensors& content, const std::string& file_name) {
+        return read_into({}, content, file_name);
     }
     /// The model of a file that has the members and the lobes of `model`.
     static Result<M> read_into(M model, const Safetensors& content, const std::string& file_name) {
@@ -100,8 +147,13 @@ template <typename M> struct KindOfNumbers {
                 for (const float x : array_of(model, of).numbers) largest = std::max(largest, double(x));
         return largest;
     }
-    /// Adds a row for each member, then for those of each lobe.
-    static void add_numbers(std::string& text, const M& model, int width) {
+    static std::string summary(const M&) { return fmt::format("{}, {}", Kind<M>::name, Kind<M>::words); }
+    /// Adds the kind, the size, a row for each member, then for those of each lobe.
+    static void add_rows(std::string& text, const M& model) {
+        add_row(text, "model", fmt::format("{}: {}", Kind<M>::name, Kind<M>::words));
+        add_row(text, "size", fmt::format("{} numbers, {} bytes", number_count(model), payload_bytes(model)));
+        std::size_t width = 18;
+        for (const auto& of : Kind<M>::numbers) width = std::max(width, of.row.size() + 1);
         for (std::size_t row = 0; row <= lobes_of_numbers(model); ++row)
             for (const auto& of : Kind<M>::numbers)
                 if (of.of_lobe() == (row > 0)) {
@@ -109,6 +161,31 @@ template <typename M> struct KindOfNumbers {
                     text += fmt::format("  {:<{}}{:.4g}\n", of.row, width,
                                         fmt::join(numbers_of(model, of, lobe, lobe + 1), "  "));
                 }
+    }
+    static Parameters members(const M& model) {
+        Parameters numbers = parameters(model);
+        for (std::size_t i = 0; i < numbers.size(); ++i)
+            if (const auto& of = Kind<M>::numbers[i]; !of.of_lobe() && of.count() == 1)
+                std::get<NumberArray>(numbers[i].value).shape.clear();
+        return {{"form", std::string(Kind<M>::name)},
+                {"lobes", std::max(1, int(lobes_of_numbers(model)))},
+                {"variates", 1},
+                {"axial", is_isotropic(model)},
+                {"parameters", std::move(numbers)}};
+    }
+    /// A member in code: "x", or "Vec3(r, g, b)".
+    template <typename Lobe>
+    static std::string text_of(const M& model, const Member<M, Lobe>& of, const NumberText& text,
+                               std::size_t lobe = 0) {
+        std::vector<std::string> numbers;
+        for (int c = 0; c < of.count(); ++c)
+            numbers.push_back(
+                text(number(model, of, c, lobe), of.name, lobe * std::size_t(of.count()) + std::size_t(c)));
+        return of.count() > 1 ? fmt::format("Vec3({})", fmt::join(numbers, ", ")) : numbers[0];
+    }
+    /// True if one of its names is there.
+    static bool matches(const ParameterReader& reader) {
+        return std::ranges::any_of(Kind<M>::numbers, [&](const auto& of) { return reader.has(of.name); });
     }
     static Parameters parameters(const M& model) {
         Parameters all;

@@ -42,12 +42,6 @@ std::string rows_text(const Model& model);
 /// kinds.
 Parameters report_members(const Model& model);
 
-/// Models of one term each whose sum is `model`, at most `max_count` of them: lobes, for a multivariate model those
-/// with the largest coefficients, or the diffuse term and each lobe of Lambert and GGX. The layers of a surface are no
-/// terms of a sum; the result is `model`, the surface without fuzz, and the one without fuzz and coat. For a BSDF the
-/// result is that for the front reflection.
-std::vector<Model> terms_of(const Model& model, std::size_t max_count = 64);
-
 /// Writes number x of a model in code: element `index` of `parameter`, which is empty if x depends on several.
 using NumberText = std::function<std::string(float x, std::string_view parameter, std::size_t index)>;
 /// Statements in the language of kernel.glsl that return a model's value for wl and wv, with its numbers. The host

@@ -8,7 +8,6 @@
 
 #include "base/floating_point.h"
 #include "brdf/batch-inl.h"
-#include "models/openpbr/openpbr_functions.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace SRBF_NAMESPACE {

@@ -1,11 +1,9 @@
 
 #include "base/errors.h"
-#include "base/levenberg_marquardt.h"
-#include "base/parallel.h"
 #include "brdf/directions.h"
-#include "models/openpbr/openpbr_functions.h"
 #include "models/openpbr/openpbr_kind.h"
 #include "models/openpbr/openpbr_parameters.h"
+#include "observe/number_variables.h"
 #include "observe/pair_weights.h"
 #include "observe/surface_problem.h"
 
@@ -54,13 +52,8 @@ const OpenPbrParameter& parameter_of(const FittedParameter& row) {
     return *std::ranges::find(k_openpbr_parameters, row.name, &OpenPbrParameter::name);
 }
 
-/// A number of the surface as a variable x in [0, 1] of the search: x is the share of the range from `least` to the
-/// parameter's largest value. For a colour the share is x², which is closer to visible differences.
-struct OpenPbrVariable {
-    const OpenPbrParameter* parameter;
-    int channel;
-    float least;
-};
+using OpenPbrVariable = NumberVariable<OpenPbrModel>;
+using OpenPbrVariables = NumberVariables<OpenPbrModel>;
 /// `least_roughness` is the least α of lobes, the square of a surface's roughness.
 std::vector<OpenPbrVariable> make_variables(OpenPbrSurfaceKind kind, double least_roughness) {
     std::vector<OpenPbrVariable> all;
@@ -80,33 +73,6 @@ OpenPbrModel default_surface(OpenPbrSurfaceKind kind) {
     return model;
 }
 
-/// The variables of a search; other numbers of the surface are those of `fixed`.
-struct OpenPbrVariables {
-    std::vector<OpenPbrVariable> all;
-    OpenPbrModel fixed;
-
-    OpenPbrModel model(const Eigen::VectorXd& x) const {
-        OpenPbrModel model = fixed;
-        for (std::size_t i = 0; i < all.size(); ++i) {
-            const auto [parameter, c, least] = all[i];
-            const double root = x[Eigen::Index(i)], share = parameter->colour ? root * root : root;
-            for (int k = c; k < parameter->count(); ++k)  // of a grey colour the first channel alone is a variable
-                number(model, *parameter, k) = float(double(least) + share * double(parameter->most - least));
-        }
-        return model;
-    }
-    Eigen::VectorXd x_of(const OpenPbrModel& model) const {
-        Eigen::VectorXd x(Eigen::Index(all.size()));
-        for (std::size_t i = 0; i < all.size(); ++i) {
-            const auto [parameter, c, least] = all[i];
-            const double share =
-                std::max(double(number(model, *parameter, c) - least) / double(parameter->most - least), 0.0);
-            x[Eigen::Index(i)] = parameter->colour ? std::sqrt(share) : share;
-        }
-        return x;
-    }
-    Eigen::VectorXd most() const { return Eigen::VectorXd::Ones(Eigen::Index(all.size())); }
-};
 using OpenPbrProblem = SurfaceProblem<OpenPbrVariables>;
 
 /// An approximate diffuse colour: the albedo along the normal if it was observed, otherwise π times the mean value.
@@ -129,12 +95,7 @@ Rgb typical_colour(const Observations& observations) {
     return {share(sum[0]), share(sum[1]), share(sum[2])};
 }
 
-/// A surface from which a search starts. The parameters of a film are searched only if it has one.
-struct OpenPbrCandidate {
-    OpenPbrModel model;
-    double loss = 0;
-    bool has_film() const { return model.thin_film_weight > 0; }
-};
+using OpenPbrCandidate = SurfaceCandidate<OpenPbrModel>;
 
 constexpr int k_random_surfaces = 2048;
 constexpr std::uint64_t k_surface_seed = 1;  ///< all fits use the same random numbers
@@ -192,14 +153,9 @@ std::vector<OpenPbrCandidate> add_films(std::span<const OpenPbrCandidate> best) 
     return all;
 }
 
-/// A round of the search: the number of candidates, the n of `SurfaceData`, and the number of steps.
-struct OpenPbrRound {
-    std::size_t candidates, n;
-    int steps;
-};
-constexpr std::array<OpenPbrRound, 3> k_openpbr_rounds{{{64, 10, 10}, {16, 5, 15}, {6, 2, 20}}};
-constexpr std::array<OpenPbrRound, 3> k_film_rounds{{{64, 10, 10}, {8, 5, 15}, {3, 2, 20}}};
-constexpr OpenPbrRound k_last_openpbr_round{2, 1, 40};
+constexpr std::array<SurfaceRound, 4> k_openpbr_rounds{{{4096, 10, 0}, {64, 10, 10}, {16, 5, 15}, {6, 2, 20}}};
+constexpr std::array<SurfaceRound, 3> k_film_rounds{{{64, 10, 10}, {8, 5, 15}, {3, 2, 20}}};
+constexpr SurfaceRound k_last_openpbr_round{2, 1, 40};
 constexpr int k_reweighting_rounds = 4;       ///< rounds with weights adapted to errors, if no pictures are observed
 constexpr double k_most_weight_change = 100;  ///< the largest factor by which weights adapt
 constexpr int k_pruning_steps = 10;           ///< steps with which the surface adapts to the loss of a part
@@ -208,8 +164,7 @@ constexpr double k_invisible_loss = 0.01;     ///< no part is kept if the loss o
 
 /// Variables without those of the named parameters.
 std::vector<OpenPbrVariable> without(std::vector<OpenPbrVariable> variables, std::span<const std::string_view> names) {
-    std::erase_if(variables,
-                  [&](const OpenPbrVariable& x) { return std::ranges::count(names, x.parameter->name) > 0; });
+    std::erase_if(variables, [&](const OpenPbrVariable& x) { return std::ranges::count(names, x.member->name) > 0; });
     return variables;
 }
 std::vector<std::string_view> names_of(std::span<const FittedParameter> rows) {
@@ -285,7 +240,8 @@ class OpenPbrSearch {
     /// The best surface, without the parts that it does not need.
     Result<OpenPbrSolution> solve() {
         const bool with_film = all_.size() > all_but_film_.size();
-        std::vector<OpenPbrCandidate> candidates = best_initial_surfaces(with_film);
+        std::vector<OpenPbrCandidate> candidates =
+            initial_surfaces(observations_, with_film, !conditions_.is_isotropic);
         if (const auto done = search(candidates, k_openpbr_rounds); !done) return done.error();
         if (with_film) {
             std::vector<OpenPbrCandidate> films = add_films(candidates);
@@ -300,7 +256,7 @@ class OpenPbrSearch {
             weigh_large_errors(weighed_, evaluator(candidates[0].model), k_most_weight_change);
             if (const auto done = search(candidates, {&k_last_openpbr_round, 1}); !done) return done.error();
         }
-        OpenPbrSolution solution{candidates[0], variables_of(candidates[0])};
+        OpenPbrSolution solution{candidates[0], parameters_of(candidates[0].model)};
         prune_parts(solution, data(), defaults_, observations_.views.empty() ? 0 : k_invisible_loss);
         return solution;
     }
@@ -308,35 +264,17 @@ class OpenPbrSearch {
     SurfaceData data() const { return SurfaceData(weighed_, 1); }
 
   private:
-    const std::vector<OpenPbrVariable>& variables_of(const OpenPbrCandidate& candidate) const {
-        return candidate.has_film() ? all_ : all_but_film_;
+    /// The parameters of a film are searched only if the surface has one.
+    const std::vector<OpenPbrVariable>& parameters_of(const OpenPbrModel& surface) const {
+        return surface.thin_film_weight > 0 ? all_ : all_but_film_;
     }
-    /// The initial surfaces in order of their loss.
-    std::vector<OpenPbrCandidate> best_initial_surfaces(bool with_film) const {
-        std::vector<OpenPbrCandidate> starts = initial_surfaces(observations_, with_film, !conditions_.is_isotropic);
-        const SurfaceData data(weighed_, k_openpbr_rounds[0].n);
-        parallel_for(starts.size(), conditions_.threads, [&](std::size_t i) {
-            OpenPbrProblem problem(data, {variables_of(starts[i]), defaults_});
-            starts[i].model = problem.model(problem.x_of(starts[i].model));  // defaults where its kind lacks parameters
-            starts[i].loss = problem.loss(starts[i].model);
-        });
-        std::ranges::stable_sort(starts, {}, &OpenPbrCandidate::loss);
-        return starts;
-    }
-    Result<Done> search(std::vector<OpenPbrCandidate>& candidates, std::span<const OpenPbrRound> rounds) {
-        for (const OpenPbrRound& round : rounds) {
+    Result<Done> search(std::vector<OpenPbrCandidate>& candidates, std::span<const SurfaceRound> rounds) {
+        const auto variables_of = [&](const OpenPbrModel& surface) {
+            return OpenPbrVariables{parameters_of(surface), defaults_};  // defaults where its kind lacks parameters
+        };
+        for (const SurfaceRound& round : rounds) {
             if (!progress_.report("searching parameters", done_)) return cancelled_error("fit");
-            const SurfaceData data(weighed_, round.n);
-            candidates.resize(std::min(candidates.size(), round.candidates));
-            parallel_for(candidates.size(), conditions_.threads, [&](std::size_t i) {
-                OpenPbrCandidate& candidate = candidates[i];
-                OpenPbrProblem problem(data, {variables_of(candidate), defaults_});
-                Eigen::VectorXd x = problem.x_of(candidate.model);
-                candidate.loss =
-                    levenberg_marquardt(problem, x, {.max_iterations = round.steps, .adapts_to_bounds = true}).loss;
-                candidate.model = problem.model(x);
-            });
-            std::ranges::stable_sort(candidates, {}, &OpenPbrCandidate::loss);
+            lower(candidates, round, SurfaceData(weighed_, round.n), variables_of, conditions_.threads);
             done_ += 0.9 / double(k_openpbr_rounds.size() + k_film_rounds.size() + k_reweighting_rounds);
         }
         return Done{};
@@ -356,7 +294,7 @@ class OpenPbrSearch {
 Result<Fitted<OpenPbrModel>> Kind<OpenPbrModel>::fit(const Observations& observations, const OpenPbrRequest& request,
                                                      const FitConditions& conditions, const ProgressToken& progress) {
     const StandardArithmetic mode;
-    if (const auto valid = validate(observations, openpbr_number_count(OpenPbrModel{})); !valid) return valid.error();
+    if (const auto valid = validate(observations, number_count(OpenPbrModel{})); !valid) return valid.error();
     OpenPbrSearch search(observations, request, conditions, progress);
     const auto solution = search.solve();
     if (!solution) return solution.error();

@@ -1,7 +1,5 @@
 #include "srbf/models/openpbr.h"
 
-#include "brdf/rows.h"
-#include "models/openpbr/openpbr_functions.h"
 #include "models/openpbr/openpbr_kernel.h"
 #include "models/openpbr/openpbr_kind.h"
 #include "models/openpbr/openpbr_parameters.h"
@@ -25,10 +23,6 @@ Evaluate evaluator(const OpenPbrModel& model) {
     return [&model](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); };
 }
 
-std::size_t payload_bytes(const OpenPbrModel& model) { return 2 * openpbr_number_count(model); }
-
-OpenPbrModel rounded(const OpenPbrModel& model) { return *as_stored(model); }
-
 Safetensors Kind<OpenPbrModel>::content(const OpenPbrModel& model) {
     Safetensors content = KindOfNumbers::content(model);
     content.metadata["exchanged_surface"] = model.is_exchanged ? "true" : "false";
@@ -46,24 +40,9 @@ Result<OpenPbrModel> Kind<OpenPbrModel>::read(Safetensors& content, const std::s
     return read_into(model, content, file_name);
 }
 
-std::string Kind<OpenPbrModel>::summary(const OpenPbrModel&) { return "openpbr, a surface by parameters of OpenPBR"; }
-
 void Kind<OpenPbrModel>::add_rows(std::string& text, const OpenPbrModel& model) {
-    add_row(text, "model", "openpbr: a surface by parameters of OpenPBR 1.1");
-    add_row(text, "size", fmt::format("{} numbers, {} bytes", openpbr_number_count(model), payload_bytes(model)));
-    add_numbers(text, model, 30);
+    KindOfNumbers::add_rows(text, model);
     if (model.is_exchanged) add_row(text, "exchanged", "light and viewer");
-}
-
-Parameters Kind<OpenPbrModel>::members(const OpenPbrModel& model) {
-    Parameters numbers = KindOfNumbers::parameters(model);
-    for (Parameter& of : numbers)
-        if (auto& shape = std::get<NumberArray>(of.value).shape; shape[0] == 1) shape.clear();
-    return {{"form", std::string("openpbr")},
-            {"lobes", 1},
-            {"variates", 1},
-            {"axial", model.specular_roughness_anisotropy == 0},
-            {"parameters", std::move(numbers)}};
 }
 
 Parameters Kind<OpenPbrModel>::parameters(const OpenPbrModel& model) {
@@ -78,35 +57,16 @@ OpenPbrModel Kind<OpenPbrModel>::from_parameters(ParameterReader& reader) {
     return model;
 }
 
-std::vector<Model> Kind<OpenPbrModel>::terms(const OpenPbrModel& model, std::size_t) {
-    std::vector<Model> all{{model, {}}};
-    for (float OpenPbrModel::*const weight : {&OpenPbrModel::fuzz_weight, &OpenPbrModel::coat_weight}) {
-        OpenPbrModel less = std::get<OpenPbrModel>(all.back().model);
-        if (less.*weight == 0) continue;
-        less.*weight = 0;
-        all.push_back({less, {}});
-    }
-    return all;
-}
-
 std::string Kind<OpenPbrModel>::formula_text(const OpenPbrModel& model, const NumberText& number) {
-    const auto surface = kernel_surface(model);
     std::string text = "    OpenPbrSurface of;\n";
     const auto set = [&](const std::string& member, float x, std::string_view parameter) {
         text += fmt::format("    {} = {};\n", member, number(x, parameter, 0));
     };
-    const auto set_colour = [&](std::string_view member, const Vec3f& x, std::string_view parameter) {
-        const std::string r = number(x.x, parameter, 0), g = number(x.y, parameter, 1), b = number(x.z, parameter, 2);
-        text += fmt::format("    of.{} = Vec3({}, {}, {});\n", member, r, g, b);
-    };
-    set_colour("base_color", surface.base_color, "");  // product of base_color and base_weight
+    const Vec3f base = kernel_surface(model).base_color;  // product of base_color and base_weight
+    const std::string r = number(base.x, "", 0), g = number(base.y, "", 1), b = number(base.z, "", 2);
+    text += fmt::format("    of.base_color = Vec3({}, {}, {});\n", r, g, b);
     for (const OpenPbrParameter& of : std::span(k_openpbr_parameters).subspan(2, 14))
-        if (of.colour) {
-            const Rgb& x = model.*of.colour;
-            set_colour(of.name, {x.r, x.g, x.b}, of.name);
-        } else {
-            set(fmt::format("of.{}", of.name), model.*of.number, of.name);
-        }
+        text += fmt::format("    of.{} = {};\n", of.name, text_of(model, of, number));
 
     const std::string directions = model.is_exchanged ? "wv, wl" : "wl, wv";
     const bool is_anisotropic = model.specular_roughness_anisotropy > 0;

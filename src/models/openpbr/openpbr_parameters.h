@@ -39,12 +39,6 @@ constexpr bool is_stored(const OpenPbrModel& model, const OpenPbrParameter& of) 
     const bool is_of_anisotropy = of.name == "specular_roughness_anisotropy" || of.name == "specular_rotation";
     return !is_of_anisotropy || model.specular_roughness_anisotropy > 0;
 }
-/// How many numbers a model has.
-constexpr std::size_t openpbr_number_count(const OpenPbrModel& model) {
-    std::size_t count = 0;
-    for (const OpenPbrParameter& of : k_openpbr_parameters) count += is_stored(model, of) ? std::size_t(of.count()) : 0;
-    return count;
-}
 
 inline constexpr std::array<std::string_view, 3> k_openpbr_surfaces{"openpbr", "gltf", "principled"};
 constexpr std::string_view name(OpenPbrSurfaceKind kind) { return k_openpbr_surfaces[std::size_t(kind)]; }

@@ -18,56 +18,6 @@ namespace {
 /// Maps −0 to 0, the same azimuth, so that a model that was read is written with the same bytes.
 std::uint16_t without_sign_of_zero(std::uint16_t half) { return half == to_half(-0.f) ? 0 : half; }
 
-/// The tensors of a model, with its numbers rounded to 16-bit floats.
-std::map<std::string, Tensor16> encode(const PmModel& model, bool with_log_scale) {
-    const auto J = std::uint64_t(model.lobes), N = std::uint64_t(model.variates);
-    std::map<std::string, Tensor16> tensors;
-
-    const std::uint64_t C = model.wavelength.empty() ? 3 : model.wavelength.size();
-    Tensor16& coefficient = tensors["coefficient"] = {Type16::half, {J, C}, {}};
-    const auto add_coefficient = [&](float beta) { coefficient.data.push_back(to_half(std::min(beta, k_half_max))); };
-    if (model.wavelength.empty())
-        for (const Rgb& beta : model.coefficient)
-            for (int c = 0; c < 3; ++c) add_coefficient(beta[c]);
-    for (const float beta : model.spectrum) add_coefficient(beta);
-
-    if (with_log_scale) {
-        Tensor16& log_scale = tensors["log_scale"] = {Type16::half, {J}, {}};
-        for (const float s : model.log_scale) log_scale.data.push_back(to_half(std::clamp(s, -k_half_max, k_half_max)));
-    }
-
-    Tensor16& bandwidth = tensors["bandwidth"] = {Type16::half, {J, N}, {}};
-    for (std::size_t i = 0; i < model.bandwidth.size(); ++i) {
-        const float sign = model.axial && model.centre[i].z < 0 ? -1.f : 1.f;
-        bandwidth.data.push_back(to_half(sign * std::min(model.bandwidth[i], k_half_max)));
-    }
-
-    if (!model.axial) {
-        Tensor16& centre = tensors["centre"] = {Type16::half, {J, N, 2}, {}};
-        for (const Vec3f& xi : model.centre) {
-            const Angles<float> direction = angles(xi);
-            centre.data.push_back(to_half(direction.theta));
-            centre.data.push_back(without_sign_of_zero(to_half(direction.phi)));
-        }
-    }
-
-    if (const auto F = std::uint64_t(features(model.form)); F > 0) {
-        Tensor16& exponent = tensors["exponent"] = {Type16::half, {J, F}, {}};
-        for (const float kappa : model.exponent)
-            exponent.data.push_back(to_half(std::clamp(kappa, -k_half_max, k_half_max)));
-    }
-
-    Tensor16& parameterization = tensors["parameterization"] = {Type16::half, {N, 2}, {}};
-    for (const Parameterization& p : model.parameterization) {
-        // Only the direction of (a, b) matters. If it is outside the range of 16-bit floats, it is normalised.
-        const float largest = std::max(std::abs(p.a), std::abs(p.b));
-        const float scale = largest > 1024 || largest < 1.f / 1024 ? 1 / largest : 1;
-        parameterization.data.push_back(to_half(scale * p.a));
-        parameterization.data.push_back(to_half(scale * p.b));
-    }
-    return tensors;
-}
-
 /// The tensors of a model with J lobes of N variates and C coefficients per lobe.
 std::map<std::string, TensorShape> tensors_of(PmForm form, bool axial, bool with_log_scale, std::uint64_t J,
                                               std::uint64_t N, std::uint64_t C) {
@@ -77,6 +27,40 @@ std::map<std::string, TensorShape> tensors_of(PmForm form, bool axial, bool with
     if (!axial) tensors["centre"] = {Type16::half, {J, N, 2}};
     if (const auto F = std::uint64_t(features(form)); F > 0) tensors["exponent"] = {Type16::half, {J, F}};
     if (with_log_scale) tensors["log_scale"] = {Type16::half, {J}};
+    return tensors;
+}
+
+/// The tensors of a model, with its numbers rounded to 16-bit floats.
+std::map<std::string, Tensor16> encode(const PmModel& model, bool with_log_scale) {
+    std::map<std::string, Tensor16> tensors;
+    for (const auto& [name, of] :
+         tensors_of(model.form, model.axial, with_log_scale, std::uint64_t(model.lobes), std::uint64_t(model.variates),
+                    model.wavelength.empty() ? 3 : model.wavelength.size()))
+        tensors[name] = {of.type, of.shape, {}};
+    const auto add = [&](const char* name, float x) {
+        tensors.at(name).data.push_back(to_half(std::clamp(x, -k_half_max, k_half_max)));
+    };
+    if (model.wavelength.empty())
+        for (const Rgb& beta : model.coefficient)
+            for (int c = 0; c < 3; ++c) add("coefficient", beta[c]);
+    for (const float beta : model.spectrum) add("coefficient", beta);
+    for (const float s : model.log_scale)
+        if (with_log_scale) add("log_scale", s);
+    for (std::size_t i = 0; i < model.bandwidth.size(); ++i) {
+        const bool is_down = model.axial && model.centre[i].z < 0;
+        add("bandwidth", is_down ? -model.bandwidth[i] : model.bandwidth[i]);
+        if (model.axial) continue;
+        const Angles<float> direction = angles(model.centre[i]);
+        add("centre", direction.theta);
+        tensors.at("centre").data.push_back(without_sign_of_zero(to_half(direction.phi)));
+    }
+    for (const float kappa : model.exponent) add("exponent", kappa);
+    for (const Parameterization& p : model.parameterization) {
+        // Only the direction of (a, b) matters. If it is outside the range of 16-bit floats, it is normalised.
+        const float largest = std::max(std::abs(p.a), std::abs(p.b));
+        const float scale = largest > 1024 || largest < 1.f / 1024 ? 1 / largest : 1;
+        add("parameterization", scale * p.a), add("parameterization", scale * p.b);
+    }
     return tensors;
 }
 
@@ -159,44 +143,29 @@ Result<std::vector<float>> wavelengths_of(std::string_view text, const std::stri
 
 }  // namespace
 
-Safetensors lobes_content(const PmModel& model) {
-    Safetensors content{encode(model, true), {}};
-    content.metadata["form"] = stored_name(model.form);
-    content.metadata["axial"] = model.axial ? "true" : "false";
-    return content;
-}
-
-Result<LobesHeader> take_lobes_header(Metadata& metadata, const std::string& file_name) {
-    MetadataReader reader{metadata, file_name};
-    const auto form = reader.take("form", stored_forms()), axial = reader.take("axial", {"true", "false"});
-    if (reader.error) return *reader.error;
-    return LobesHeader{*form_named(form), axial == "true"};
-}
-
-Result<PmModel> decode_lobes(const std::map<std::string, Tensor16>& tensors, const LobesHeader& header,
-                             const std::string& file_name) {
-    return decode(tensors, header.form, header.axial, {}, file_name);
+Safetensors lobes_content(const PmModel& model, bool with_log_scale) {
+    return {encode(model, with_log_scale),
+            {{"form", std::string(stored_name(model.form))}, {"axial", model.axial ? "true" : "false"}}};
 }
 
 Safetensors Kind<PmModel>::content(const PmModel& model) {
-    Safetensors content{encode(model, has_log_scale(model)), {}};
-    content.metadata["form"] = stored_name(model.form);
-    content.metadata["axial"] = model.axial ? "true" : "false";
+    Safetensors content = lobes_content(model, has_log_scale(model));
     if (!model.wavelength.empty())
         content.metadata["wavelengths"] = fmt::format("{}", fmt::join(model.wavelength, " "));
     return content;
 }
 
 Result<PmModel> Kind<PmModel>::read(Safetensors& content, const std::string& file_name) {
-    const auto header = take_lobes_header(content.metadata, file_name);
-    if (!header) return header.error();
+    MetadataReader reader{content.metadata, file_name};
+    const auto form = reader.take("form", stored_forms()), axial = reader.take("axial", {"true", "false"});
+    if (reader.error) return *reader.error;
     std::vector<float> wavelength;
     if (const auto text = content.metadata.extract("wavelengths")) {
         auto parsed = wavelengths_of(text.mapped(), file_name);
         if (!parsed) return parsed.error();
         wavelength = *std::move(parsed);
     }
-    return decode(content.tensors, header->form, header->axial, std::move(wavelength), file_name);
+    return decode(content.tensors, *form_named(form), axial == "true", std::move(wavelength), file_name);
 }
 
 double Kind<PmModel>::largest(const PmModel& model) {

@@ -1,7 +1,6 @@
 // Descriptions of a multivariate model for programs and people.
 
 #include <cmath>
-#include <numeric>
 #include <set>
 
 #include "base/half.h"
@@ -80,15 +79,6 @@ void round_log_scales(PmModel& model, std::vector<float>& coefficient) {
     }
 }
 
-/// The indices of the `most` largest of `weight`.
-std::vector<std::size_t> indices_of_largest(const std::vector<double>& weight, std::size_t most) {
-    std::vector<std::size_t> order(weight.size());
-    std::iota(order.begin(), order.end(), std::size_t(0));
-    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return weight[a] > weight[b]; });
-    order.resize(std::min(order.size(), most));
-    return order;
-}
-
 }  // namespace
 
 std::string Kind<PmModel>::summary(const PmModel& model) {
@@ -162,30 +152,6 @@ PmModel Kind<PmModel>::from_parameters(ParameterReader& reader) {
     else
         model.coefficient = rows_of<Rgb>(coefficient);
     return model;
-}
-
-std::vector<Model> Kind<PmModel>::terms(const PmModel& model, std::size_t most) {
-    const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), F = std::size_t(features(model.form));
-    std::vector<double> weight;
-    for (std::size_t j = 0; j < J; ++j)
-        weight.push_back(luminance(model.coefficient[j]) * elementary::exp(double(model.log_scale[j])));
-    std::vector<Model> all;
-    for (const std::size_t j : indices_of_largest(weight, most)) {
-        const auto of = [j](const auto& numbers, std::size_t each) {
-            const auto first = numbers.begin() + std::ptrdiff_t(j * each);
-            return std::remove_cvref_t<decltype(numbers)>(first, first + std::ptrdiff_t(each));
-        };
-        PmModel one = model;
-        one.lobes = 1;
-        one.coefficient = of(model.coefficient, 1);
-        one.wavelength.clear(), one.spectrum.clear();
-        one.log_scale = of(model.log_scale, 1);
-        one.centre = of(model.centre, N);
-        one.bandwidth = of(model.bandwidth, N);
-        one.exponent = of(model.exponent, F);
-        all.emplace_back().model = std::move(one);
-    }
-    return all;
 }
 
 std::string Kind<PmModel>::formula_text(const PmModel&, const NumberText&) {

@@ -86,28 +86,16 @@ void evaluate(const SuModel& model, std::span<const Vec3f> wl, std::span<const V
 
 namespace {
 
-/// Approximates a lobe with an optical depth by a lobe around its maximum above the horizon, as a proposal for samples.
+/// A lobe about the maximum of another above the horizon, as a proposal for samples.
 struct ProposalLobe {
     Vec3f centre;
     float bandwidth;
 };
-ProposalLobe proposal_lobe(Vec3f xi, float bandwidth, float depth) {
-    const float sin_xi = std::sqrt(xi.x * xi.x + xi.y * xi.y);
-    if (sin_xi < 1e-6f) return {{0, 0, 1}, xi.z > 0 ? bandwidth : 0};
-    // The maximum lies in the plane of centre and normal. Ternary search by the sine s of its polar angle.
-    const auto exponent = [&](float s) {
-        const float c = std::sqrt(std::max(1 - s * s, 0.f));
-        return bandwidth * (sin_xi * s + xi.z * c) - depth / std::max(c, 1e-6f);
-    };
-    float below = 0, above = 1;
-    for (int step = 0; step < 40; ++step) {
-        const float a = below + (above - below) / 3, b = above - (above - below) / 3;
-        (exponent(a) < exponent(b) ? below : above) = exponent(a) < exponent(b) ? a : b;
-    }
-    const float s = (below + above) / 2, c = std::sqrt(std::max(1 - s * s, 0.f));
-    // The curvatures of the exponent in the plane and across it, relative to the bandwidth.
-    const float in_plane = sin_xi * s + xi.z * c, across = s > sin_xi ? sin_xi / s : 1;
-    return {{s * xi.x / sin_xi, s * xi.y / sin_xi, c}, bandwidth * std::clamp(std::min(in_plane, across), 0.05f, 1.f)};
+ProposalLobe proposal_lobe(Vec3f xi, float bandwidth) {
+    const float across = std::sqrt(xi.x * xi.x + xi.y * xi.y);
+    if (xi.z > 0) return {xi, bandwidth};
+    if (across < 1e-6f) return {{0, 0, 1}, 0};
+    return {{xi.x / across, xi.y / across, 0}, bandwidth * std::max(across, 0.05f)};
 }
 
 }  // namespace
@@ -118,10 +106,8 @@ std::vector<float> lobe_integrals(const SuModel& model) {
     const StandardArithmetic mode;
     std::vector<float> integrals(model.centre.size());
     for (std::size_t lobe = 0; lobe < model.centre.size(); ++lobe) {
-        const Vec3f xi = model.centre[lobe],
-                    tangent = K::tangent_across(model.direction[lobe / std::size_t(model.lobes)]);
-        const float bandwidth = model.bandwidth[lobe], shape = model.shape.empty() ? 0 : model.shape[lobe];
-        const ProposalLobe proposal = proposal_lobe(xi, bandwidth, std::max(shape, 0.f));
+        const Vec3f xi = model.centre[lobe];
+        const ProposalLobe proposal = proposal_lobe(xi, model.bandwidth[lobe]);
         double sum = 0;
         for (int i = 0; i < k_points; ++i) {
             constexpr double golden = 0.6180339887498949;
@@ -129,8 +115,7 @@ std::vector<float> lobe_integrals(const SuModel& model) {
             const float u1 = (float(i) + 0.5f) / k_points, u2 = float(turns - std::floor(turns));
             const Vec3f w = K::sample_vmf(proposal.centre, proposal.bandwidth, u1, u2);
             if (!(w.z > 0)) continue;
-            const Vec3f d = w - xi;
-            const float ratio = K::shaped_exponent(d, dot(d, tangent), K::slant(w.z), bandwidth, shape) -
+            const float ratio = K::gaussian_exponent(w, xi, model.bandwidth[lobe]) -
                                 K::gaussian_exponent(w, proposal.centre, proposal.bandwidth);
             sum += double(w.z * K::exp_of_lobe(ratio));
         }

@@ -86,9 +86,7 @@ IndexTexture index_texture(const SuModel& model, DirectionMap map, int size) {
     return index;
 }
 
-std::size_t payload_bytes(const SuModel& model) {
-    return 2 * model.direction.size() * std::size_t(model.lobes) * (model.shape.empty() ? 6 : 7);
-}
+std::size_t payload_bytes(const SuModel& model) { return 2 * model.direction.size() * std::size_t(model.lobes) * 6; }
 
 std::size_t auxiliary_bytes(const SuModel& model) {
     const DirectionMap map = model.index ? model.index->map : DirectionMap::cube;

@@ -43,13 +43,11 @@ std::optional<IndexTexture> texture_of(const Shape& shape) {
 Result<Done> decode_lobes(const std::map<std::string, Tensor16>& tensors, SuModel& model,
                           const std::string& file_name) {
     const auto J = std::size_t(model.lobes);
-    const bool has_shapes = tensors.contains("shape");
     const auto number = [&](const char* name) {
         return [&data = tensors.at(name).data](std::size_t i) { return from_half(data[i]); };
     };
     const auto coefficient = number("coefficient"), bandwidth = number("bandwidth"), centre = number("centre");
     for (std::size_t i = 0; i < model.direction.size() * J; ++i) {
-        if (has_shapes) model.shape.push_back(number("shape")(i));
         const Rgb beta{coefficient(3 * i), coefficient(3 * i + 1), coefficient(3 * i + 2)};
         for (const auto& [what, x] : {std::pair("tensor 'coefficient'", std::min({beta.r, beta.g, beta.b})),
                                       {"tensor 'bandwidth'", bandwidth(i)}})
@@ -75,10 +73,6 @@ Safetensors Kind<SuModel>::content(const SuModel& model) {
         for (int c = 0; c < 3; ++c) coefficient.data.push_back(to_half(std::min(beta[c], k_half_max)));
     Tensor16& bandwidth = tensors["bandwidth"] = {Type16::half, {n, J}, {}};
     for (const float lambda : model.bandwidth) bandwidth.data.push_back(to_half(std::min(lambda, k_half_max)));
-    if (!model.shape.empty()) {
-        Tensor16& shape = tensors["shape"] = {Type16::half, {n, J}, {}};
-        for (const float x : model.shape) shape.data.push_back(to_half(std::clamp(x, -k_half_max, k_half_max)));
-    }
     Tensor16& centre = tensors["centre"] = {Type16::half, {n, J, 2}, {}};
     for (std::size_t i = 0; i < model.centre.size(); ++i) {
         const Angles<float> relative = to_relative(model.centre[i], model.direction[i / J]);
@@ -116,7 +110,8 @@ Result<SuModel> Kind<SuModel>::read(Safetensors& content, const std::string& fil
     std::map<std::string, TensorShape> expected{{"coefficient", {Type16::half, {n, J, 3}}},
                                                 {"bandwidth", {Type16::half, {n, J}}},
                                                 {"centre", {Type16::half, {n, J, 2}}}};
-    if (tensors.contains("shape")) expected["shape"] = {Type16::half, {n, J}};
+    if (tensors.contains("shape"))
+        return fail("tensor 'shape'", "Gaussian lobes alone", "shapes of lobes, which a new fit does without");
     SuModel model;
     const auto index = tensors.find("aux.index");
     const bool has_index = index != tensors.end();

@@ -13,7 +13,7 @@ SRBF_BEGIN
 void evaluate(const SuModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 inline bool is_isotropic(const SuModel&) { return true; }
 void exchange(SuModel& model);
-/// Size of the stored numbers: n·J·(3 coefficients + 2 angles + 1 bandwidth, and a shape if there is any) halves.
+/// Size of the stored numbers: n·J·(3 coefficients + 2 angles + 1 bandwidth) halves.
 std::size_t payload_bytes(const SuModel& model);
 /// Size of the tables that plain interpolation needs at run time, whether or not the file contains them: the index
 /// texture (a cube map unless the model has another) and the table of directions, four halves per view.

@@ -9,7 +9,6 @@ namespace SRBF_NAMESPACE {
 
 template <> struct Kind<SuModel> {
     static constexpr std::string_view name = "su", words = "view by view";
-    static constexpr const char* not_for_radiance = "one view by view";
     static Safetensors content(const SuModel& model);
     static Result<SuModel> read(Safetensors& content, const std::string& file_name);
     static double largest(const SuModel& model);
@@ -17,7 +16,6 @@ template <> struct Kind<SuModel> {
     static void add_rows(std::string& text, const SuModel& model);
     static Parameters members(const SuModel& model);
     static Parameters parameters(const SuModel& model);
-    static std::vector<Model> terms(const SuModel& model, std::size_t most);
     static std::string formula_text(const SuModel& model, const NumberText& number);
     static bool matches(const ParameterReader& reader);
     static SuModel from_parameters(ParameterReader& reader);

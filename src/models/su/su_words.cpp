@@ -33,7 +33,7 @@ void Kind<SuModel>::add_rows(std::string& text, const SuModel& model) {
                     model.index ? fmt::format("{} of {} texels a side", srbf::name(model.index->map), model.index->size)
                                 : "built on load, a cube",
                     grouped(auxiliary_bytes(model))));
-    ValueRange bandwidth, shape;
+    ValueRange bandwidth;
     std::size_t empty = 0;
     for (std::size_t i = 0; i < model.direction.size(); ++i) {
         const auto first = model.coefficient.begin() + std::ptrdiff_t(i * J);
@@ -41,16 +41,13 @@ void Kind<SuModel>::add_rows(std::string& text, const SuModel& model) {
     }
     for (std::size_t k = 0; k < model.bandwidth.size(); ++k)
         if (!(model.coefficient[k] == Rgb{})) bandwidth.add(model.bandwidth[k]);
-    for (std::size_t k = 0; k < model.shape.size(); ++k)
-        if (!(model.coefficient[k] == Rgb{})) shape.add(model.shape[k]);
     add_row(text, "empty samples", empty ? grouped(empty) : "none");
     add_row(text, "bandwidth", bandwidth.text());
-    if (!model.shape.empty()) add_row(text, "shape", shape.text());
     add_channel_ranges(text, "coefficient", model.coefficient);
 }
 
 Parameters Kind<SuModel>::members(const SuModel& model) {
-    Parameters all{{"form", std::string(model.shape.empty() ? "source" : "shaped")},
+    Parameters all{{"form", std::string("source")},
                    {"lobes", model.lobes},
                    {"variates", 1},
                    {"axial", false},
@@ -73,7 +70,6 @@ Parameters Kind<SuModel>::parameters(const SuModel& model) {
     all.push_back({"coefficient", array_of({n, J, 3}, model.coefficient)});
     all.push_back({"centre", array_of({n, J, 3}, model.centre)});
     all.push_back({"bandwidth", array_of({n, J}, model.bandwidth)});
-    if (!model.shape.empty()) all.push_back({"shape", array_of({n, J}, model.shape)});
     return all;
 }
 
@@ -84,7 +80,6 @@ SuModel Kind<SuModel>::from_parameters(ParameterReader& reader) {
     model.bandwidth = reader.numbers("bandwidth", "nJ");
     model.coefficient = reader.vectors<Rgb>("coefficient", "nJ3");
     model.centre = reader.units("centre", "nJ3");
-    if (reader.has("shape")) model.shape = reader.numbers("shape", "nJ");
     const int n = int(reader.length('n'));
     model.lobes = int(reader.length('J'));
     if (n > 0) model.direction = fibonacci_directions(n, k_pi / 2);
@@ -100,17 +95,6 @@ SuModel Kind<SuModel>::from_parameters(ParameterReader& reader) {
     const int size = reader.whole("index_size", 0, k_largest_texture, 0);
     if (!reader.error() && n >= k_least_views) model.index = index_texture(model, *map, size);
     return model;
-}
-
-std::vector<Model> Kind<SuModel>::terms(const SuModel& model, std::size_t most) {
-    std::vector<Model> all;
-    for (int j = 0; j < model.lobes && all.size() < most; ++j) {
-        SuModel one = model;
-        for (std::size_t i = 0; i < one.coefficient.size(); ++i)
-            if (int(i % std::size_t(model.lobes)) != j) one.coefficient[i] = {};
-        all.emplace_back().model = std::move(one);
-    }
-    return all;
 }
 
 std::string Kind<SuModel>::formula_text(const SuModel& model, const NumberText&) {

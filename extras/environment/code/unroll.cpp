@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "code/print.h"
-#include "code/syntax.h"
+#include "extras/environment/code/unroll.h"
 
 namespace SRBF_NAMESPACE::syntax {
 namespace {

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <array>
 
+#include "base/errors.h"
 #include "brdf/parts.h"
+#include "code/added_code.h"
 #include "code/defined_names.h"
-#include "models/kinds.h"
+#include "models/kind/parameters.h"
 #include "srbf/elementary.h"
-#include "srbf/shading_code.h"
 
 namespace SRBF_NAMESPACE {
 
@@ -103,23 +104,13 @@ std::string cal_functions(const std::string& name, const GgxModel& model) {
     return text;
 }
 
-Result<std::string> cal_text(const std::string& name, const PmModel& model) { return cal_functions(name, model); }
-Result<std::string> cal_text(const std::string& name, const GgxModel& model) { return cal_functions(name, model); }
-/// Kinds without a formula.
-template <typename M>
-requires requires { Kind<M>::not_for_radiance; }
-Result<std::string> cal_text(const std::string& name, const M&) {
-    return Error{name,
-                 {},
-                 "model for Radiance",
-                 "one of lobes, or Lambert and GGX",
-                 Kind<M>::not_for_radiance,
-                 ErrorCode::argument};
-}
 Result<std::string> cal_text(const std::string& name, const BsdfModel& model);
-
 Result<std::string> cal_text(const std::string& name, const Model& model) {
-    return std::visit([&](const auto& kind) { return cal_text(name, kind); }, model.model);
+    if (const auto* bsdf = std::get_if<BsdfModel>(&model.model)) return cal_text(name, *bsdf);
+    if (const auto* pm = std::get_if<PmModel>(&model.model)) return cal_functions(name, *pm);
+    if (const auto* ggx = std::get_if<GgxModel>(&model.model)) return cal_functions(name, *ggx);
+    return argument_error(name, "model for Radiance", "one of lobes, or Lambert and GGX",
+                          std::string(kind_words(model)));
 }
 
 /// The call of a part's channel with Radiance's vectors, whose z has the opposite sign in a BSDF.
@@ -167,9 +158,11 @@ Result<Done> add_functions(std::string_view text, const std::string& owner, Defi
     return Done{};
 }
 
-}  // namespace
-
-Result<std::string> radiance_text(std::span<const NamedModel> models) {
+/// The models as functions of Radiance's expression language, the text of a `.cal` file. Each model has the function
+/// NAME(ix,iy,iz,ox,oy,oz), the luminance of f [1/sr] for vectors to the light and to the viewer, and NAME_R, NAME_G
+/// and NAME_B, its channels. Beams are left out. Positive z is the front of a BRDF. For a BSDF it is the back, with x
+/// mirrored, as in WINDOW's XML. Errors: a view-by-view model, a surface of OpenPBR.
+Result<std::string> radiance_text(std::span<const NamedModel> models, std::string_view, int) {
     std::string text =
         "{ BSDFs by srbf, in 1/sr without the cosine, for bsdf2ttree and other programs of Radiance.\n"
         "NAME(ix,iy,iz, ox,oy,oz) is the luminance, NAME_R, NAME_G and NAME_B are linear sRGB, of unit vectors that "
@@ -201,6 +194,19 @@ Result<std::string> radiance_text(std::span<const NamedModel> models) {
             return distinct.error();
     }
     return text;
+}
+
+}  // namespace
+
+const CodeExtra& code_of_daylight() {
+    static const CodeExtra extra{
+        {},
+        {{.name = "radiance",
+          .summary = "a .cal with functions NAME(ix,iy,iz,ox,oy,oz) of each model, as bsdf2ttree -f takes them",
+          .of_parts = false,
+          .text = radiance_text}},
+        [](const CodeOptions&) { return AddedCode{}; }};
+    return extra;
 }
 
 }  // namespace srbf

@@ -388,33 +388,6 @@ TEST_F(Sampling, GrazingViewsHaveBoundedWeights) {
     }
 }
 
-/// A broad highlight, and a ridge where both cosines are alike, narrow in the plane of incidence and wide across it.
-struct Ridge {};
-Rgb value(const Ridge&, Vec3f wl, Vec3f wv) {
-    if (!(wl.z > 0 && wv.z > 0)) return {};
-    const Vec3d h = normalize(to_double(wl) + to_double(wv));
-    const double slope = (h.x * h.x + h.y * h.y) / (h.z * h.z);
-    const float f =
-        float(0.1 + std::exp(-5 * slope) + 1e6 * std::exp(-300 * std::abs(double(wl.z - wv.z)) - 50 * slope));
-    return {f, f, f};
-}
-
-TEST_F(Sampling, RidgesAndHighlightsHaveShapesOfTheirOwn) {
-    const Ridge ridge;
-    const MixtureProposal proposal = propose(evaluator(ridge));
-    for (const double z : {0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 5e-4, 1e-4}) {
-        const Vec3f wv = to_float(spherical(std::acos(z), 0.3));
-        double sum = 0, squares = 0, largest = 0;
-        constexpr int count = 20000;
-        for (int i = 0; i < count; ++i) {
-            const double weight = double(sample(ridge, proposal, wv, draw3()).weight.g);
-            sum += weight, squares += weight * weight, largest = std::max(largest, weight);
-        }
-        EXPECT_LT(squares * count / (sum * sum) - 1, 0.45) << z;
-        EXPECT_LT(largest, 20 * sum / count) << z;
-    }
-}
-
 TEST_F(Sampling, LobesStretchAlongTheGrain) {
     const Brushed brushed;
     const MixtureProposal isotropic = propose(evaluator(brushed)),

@@ -454,7 +454,7 @@ SRBF_FN float srbf_mixture_position(float z) {
 
 typedef struct {
     srbf_x_vec3 centre;
-    srbf_x bandwidth, width, scale;
+    srbf_x bandwidth, width;
 } srbf_x_GaussianProduct;
 typedef struct {
     srbf_x x, y, stretch_minus_1, inverse_minus_1, inverse;
@@ -478,15 +478,11 @@ SRBF_FN srbf_x srbf_x_gaussian(srbf_x_vec3 omega, srbf_x_vec3 centre, srbf_x ban
 SRBF_FN srbf_x_GaussianProduct srbf_x_gaussian_product(srbf_x_vec3 centre1, srbf_x bandwidth1, srbf_x_vec3 centre2,
         srbf_x bandwidth2) {
     srbf_x_vec3 axis = srbf_x_add(srbf_x_scale(bandwidth1, centre1), srbf_x_scale(bandwidth2, centre2));
-    srbf_x_vec3 apart = srbf_x_subtract(centre1, centre2);
-    srbf_x sum = bandwidth1 + bandwidth2;
     srbf_x squared = srbf_x_dot(axis, axis);
     srbf_x_GaussianProduct product;
     product.width = srbf_x_inversesqrt(srbf_x_max(squared, srbf_x_of(1.0e-30f)));
     product.bandwidth = squared * product.width;
     product.centre = srbf_x_scale(product.width, axis);
-    product.scale = srbf_x_exp(-bandwidth1 * bandwidth2 * srbf_x_dot(apart, apart) / srbf_x_max(product.bandwidth + sum,
-            srbf_x_of(1.0e-20f)));
     return product;
 }
 SRBF_FN srbf_x_Stretch srbf_x_stretch_along(srbf_x_vec3 tangent, srbf_x stretch) {
@@ -543,7 +539,7 @@ SRBF_FN srbf_x srbf_x_reflected_pdf(srbf_x_ProposalLobe lobe, srbf_x_HalfVector 
 }
 
 SRBF_FN const float* srbf_slots(void) {
-    static const float numbers[72] = {
+    static const float numbers[64] = {
         0.0f, 0.0f, 4.0f, 16.0f, 64.0f, 256.0f, 32768.0f, 131072.0f,
         0.5f, 0.33333334f, 0.25f, 0.0625f, 0.015625f, 0.00390625f, 3.0517578e-05f, 7.6293945e-06f,
         0.31830987f, 0.47746482f, 0.63683337f, 2.546479f, 10.185916f, 40.743664f, 5215.189f, 20860.756f,
@@ -552,21 +548,17 @@ SRBF_FN const float* srbf_slots(void) {
         1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f,
         0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f,
         8.0f, 32.0f, 128.0f, 512.0f, 2048.0f, 8192.0f, 32768.0f, 131072.0f,
-        0.0f, 1.0f, 0.0f, 1.0f, 0.0f, 1.0f, 0.0f, 1.0f,
     };
     return numbers;
 }
 // A mixture of the components of kernel.glsl's proposal, whose weights are linear in mixture_position(cos(theta_v))
 // between nodes: cosines and lobes of directions, from 8 on lobes of half vectors, then facets. After the weights
-// follow stretch and power of the even half-vector lobes, and of the odd ones.
+// follow stretch and power of the half-vector lobes.
 #define SRBF_NODES 15
 #define SRBF_SLOTS 8
 #define SRBF_FACET_SLOT (2 * SRBF_SLOTS)
 #define SRBF_STRETCH (2 * SRBF_SLOTS + 2)
 #define SRBF_NUMBERS (3 * SRBF_SLOTS)
-// Even and odd half-vector lobes alternate in a vector; single lanes have two maps.
-#define SRBF_MAPS (SRBF_LANES > 1 ? 1 : 2)
-#define SRBF_MAP_OF(slot) ((slot) / SRBF_LANES % SRBF_MAPS)
 typedef struct {
     float axis[2];  // the tangent along which half-vector lobes are stretched; 0 for the viewer's
     int facets;
@@ -579,7 +571,7 @@ typedef struct {
     const srbf_mixture* mixture;
     srbf_vec3 wv;
     float number[SRBF_NUMBERS];
-    srbf_x_Stretch map[2];
+    srbf_x_Stretch map;
     int has_halves;
     srbf_x_ProposalLobe lobe[SRBF_FACET_SLOT / SRBF_LANES];  // of groups of slots that have weight
 } srbf_view;
@@ -593,21 +585,19 @@ SRBF_FN void srbf_set_view(srbf_view* view) {
     const int has_axis = axis[0] != 0.0f || axis[1] != 0.0f;
     const srbf_x_vec3 v = srbf_x_all(view->wv),
                       tangent = has_axis ? srbf_x_all(srbf_vec3_of(axis[0], axis[1], 0.0f)) : v;
-    const float* shape = view->number + SRBF_STRETCH;
+    const srbf_x power = srbf_x_of(view->number[SRBF_STRETCH + 1]);
     int i;
     view->has_halves = 0;
+    view->map = srbf_x_stretch_along(tangent, srbf_x_of(view->number[SRBF_STRETCH]));
     for (i = 0; i < SRBF_SLOTS; i += SRBF_LANES, slots += SRBF_LANES) {
-        const srbf_x odd = srbf_x_load(slots + 64), power = shape[1] + odd * (shape[3] - shape[1]);
         srbf_x_ProposalLobe* lobe = &view->lobe[i / SRBF_LANES];
-        srbf_x_Stretch* map = &view->map[SRBF_MAP_OF(i)];
-        if (i < SRBF_MAPS * SRBF_LANES) *map = srbf_x_stretch_along(tangent, shape[0] + odd * (shape[2] - shape[0]));
         lobe->centre = srbf_x_vec3_of(-v.x, -v.y, v.z), lobe->bandwidth = srbf_x_load(slots);
         lobe->width = srbf_x_load(slots + 8), lobe->scale = srbf_x_load(slots + 16);
         lobe->rest = srbf_x_load(slots + 24);
         if (!srbf_has_weight(view, SRBF_SLOTS + i)) continue;
         view->has_halves = 1;
         lobe[SRBF_SLOTS / SRBF_LANES] =
-            srbf_x_half_vector_lobe(srbf_x_stretched(v, *map), map->inverse, srbf_x_load(slots + 56), power);
+            srbf_x_half_vector_lobe(srbf_x_stretched(v, view->map), view->map.inverse, srbf_x_load(slots + 56), power);
     }
 }
 SRBF_FN void srbf_view_of(srbf_view* view, const srbf_mixture* mixture, srbf_vec3 wv) {
@@ -629,19 +619,19 @@ SRBF_FN float srbf_view_pdf(const srbf_view* view, srbf_vec3 wl, float* density)
     const srbf_x_vec3 l = srbf_x_all(wl), v = srbf_x_all(view->wv), mirrored = srbf_x_vec3_of(l.x, l.y, -l.z);
     const float* slots = srbf_slots();
     float pdf, facets[2] = {0.0f, 0.0f};
-    srbf_x_HalfVector above[3], below[3];  // of lobes of directions, and of half vectors
+    srbf_x_HalfVector above[2], below[2];  // of lobes of directions, and of half vectors
     srbf_x sum = srbf_x_of(0.0f);
     int i;
     above[0].direction = l, below[0].direction = mirrored, above[0].factor = below[0].factor = srbf_x_of(1.0f);
-    above[1] = above[2] = above[0], below[1] = below[2] = below[0];
-    for (i = 0; i < SRBF_MAPS && view->has_halves; ++i) {
-        above[i + 1] = srbf_x_half_vector(l, v, view->map[i]);
-        below[i + 1] = srbf_x_half_vector(mirrored, v, view->map[i]);
+    above[1] = above[0], below[1] = below[0];
+    if (view->has_halves) {
+        above[1] = srbf_x_half_vector(l, v, view->map);
+        below[1] = srbf_x_half_vector(mirrored, v, view->map);
     }
     SRBF_UNROLL
     for (i = 0; i < SRBF_FACET_SLOT; i += SRBF_LANES) {
         if (srbf_has_weight(view, i)) {
-            const int kind = i < SRBF_SLOTS ? 0 : 1 + SRBF_MAP_OF(i);
+            const int kind = i / SRBF_SLOTS;
             srbf_x each;
             if (i < SRBF_SLOTS) {  // the cosines are 0 below the horizon
                 below[0].factor = srbf_x_load(slots + 32 + i);
@@ -671,15 +661,14 @@ SRBF_FN float srbf_lane(srbf_x x, int i) {
 SRBF_FN srbf_vec3 srbf_slot_sample(const srbf_view* view, int slot, float u1, float u2) {
     const int facet = slot - SRBF_FACET_SLOT, lane = slot % SRBF_LANES;
     const srbf_x_ProposalLobe* lobe = &view->lobe[facet < 0 ? slot / SRBF_LANES : 0];
-    const srbf_x_Stretch* map = &view->map[SRBF_MAP_OF(slot)];
     srbf_vec3 w = srbf_vec3_of(0.0f, 0.0f, 1.0f);
     if (slot < 2) return srbf_off_centre(w, srbf_below_power_cosine(1.0f / (float)(2 + slot), u1), u2);
     if (facet >= 0) return srbf_sample_facets(view->wv, view->mixture->facet[facet], u1, u2);
     w = srbf_vec3_of(srbf_lane(lobe->centre.x, lane), srbf_lane(lobe->centre.y, lane), srbf_lane(lobe->centre.z, lane));
     w = srbf_sample_sharp_vmf(w, srbf_lane(lobe->width, lane), srbf_lane(lobe->rest, lane), u1, u2);
     if (slot >= SRBF_SLOTS) {
-        w = srbf_grown_along(w, srbf_lane(map->x, lane), srbf_lane(map->y, lane),
-                             srbf_lane(map->stretch_minus_1, lane));
+        w = srbf_grown_along(w, srbf_lane(view->map.x, 0), srbf_lane(view->map.y, 0),
+                             srbf_lane(view->map.stretch_minus_1, 0));
         w = srbf_light_of(w, view->wv);
     }
     return srbf_reflected_up(w);
@@ -694,7 +683,7 @@ SRBF_FN srbf_vec3 srbf_view_sample(const srbf_view* view, float u1, float u2, fl
 
 // ---- Models, and their numbers as the formulas read them ----
 
-// A view-by-view model: for each view its direction, and for each of its lobes R, G, B, bandwidth, centre and shape.
+// A view-by-view model: for each view its direction, and for each of its lobes R, G, B, bandwidth and centre.
 typedef struct {
     int views, lobes, of_lights, is_plain, neighbours;
     const float* number;
@@ -704,15 +693,14 @@ typedef const int* srbf_su_nearest_views;
 SRBF_FN int srbf_su_lobes(srbf_su su) { return su->lobes; }
 SRBF_FN int srbf_su_views(srbf_su su) { return su->views; }
 SRBF_FN const float* srbf_su_row(srbf_su su, int view) {
-    return su->number + (size_t)view * (size_t)(3 + 8 * su->lobes);
+    return su->number + (size_t)view * (size_t)(3 + 7 * su->lobes);
 }
 SRBF_FN srbf_vec3 srbf_vec3_at(const float* w) { return srbf_vec3_of(w[0], w[1], w[2]); }
 SRBF_FN srbf_vec3 srbf_su_direction(srbf_su su, int view) { return srbf_vec3_at(srbf_su_row(su, view)); }
-SRBF_FN const float* srbf_su_lobe(srbf_su su, int view, int j) { return srbf_su_row(su, view) + 3 + 8 * j; }
+SRBF_FN const float* srbf_su_lobe(srbf_su su, int view, int j) { return srbf_su_row(su, view) + 3 + 7 * j; }
 SRBF_FN srbf_vec3 srbf_su_coefficient(srbf_su su, int view, int j) { return srbf_vec3_at(srbf_su_lobe(su, view, j)); }
 SRBF_FN float srbf_su_bandwidth(srbf_su su, int view, int j) { return srbf_su_lobe(su, view, j)[3]; }
 SRBF_FN srbf_vec3 srbf_su_centre(srbf_su su, int view, int j) { return srbf_vec3_at(srbf_su_lobe(su, view, j) + 4); }
-SRBF_FN float srbf_su_shape(srbf_su su, int view, int j) { return srbf_su_lobe(su, view, j)[7]; }
 SRBF_FN int srbf_su_nearest(srbf_su_nearest_views nearest, int k) { return nearest[k]; }
 typedef struct {
     float roughness;
@@ -757,6 +745,13 @@ typedef struct {
 SRBF_FN float srbf_exp_of_lobe(float x) { return expf(srbf_max(x, -60.0f)); }
 SRBF_FN srbf_vec3 srbf_turned(srbf_vec3 w, float cosine, float sine) {
     return srbf_vec3_of(cosine * w.x - sine * w.y, sine * w.x + cosine * w.y, w.z);
+}
+SRBF_FN float srbf_gaussian_exponent(srbf_vec3 omega, srbf_vec3 centre, float bandwidth) {
+    srbf_vec3 d = srbf_subtract(omega, centre);
+    return -0.5f * bandwidth * srbf_dot(d, d);
+}
+SRBF_FN float srbf_gaussian(srbf_vec3 omega, srbf_vec3 centre, float bandwidth) {
+    return srbf_exp_of_lobe(srbf_gaussian_exponent(omega, centre, bandwidth));
 }
 SRBF_FN srbf_Facets srbf_facets_along(float cosine, float sine, float along, float across) {
     srbf_Facets facets;
@@ -1053,25 +1048,11 @@ SRBF_FN srbf_vec3 srbf_openpbr_anisotropic_value(srbf_OpenPbrSurface material, s
     return srbf_openpbr_layers_value(material, srbf_openpbr_base_value(material, base, facets, density, wl, wv), wl,
             wv);
 }
-SRBF_FN float srbf_slant(float cosine) { return 1.0f / srbf_max(cosine, 1.0e-6f) - 1.0f; }
-SRBF_FN srbf_vec3 srbf_tangent_across(srbf_vec3 w) {
-    float reciprocal = srbf_inversesqrt(srbf_max(w.x * w.x + w.y * w.y, 1.0e-20f));
-    return srbf_vec3_of(-reciprocal * w.y, reciprocal * w.x, 0.0f);
-}
-SRBF_FN float srbf_shaped_exponent(srbf_vec3 apart, float across, float further, float bandwidth, float shape) {
-    float squared = srbf_dot(apart, apart) - srbf_min(shape, 0.0f) * (across * across);
-    return -0.5f * bandwidth * squared - srbf_max(shape, 0.0f) * further;
-}
 SRBF_FN srbf_vec3 srbf_su_view_value(srbf_su su, int view, srbf_vec3 wl) {
     srbf_vec3 sum = srbf_vec3_of(0.0f, 0.0f, 0.0f);
-    srbf_vec3 tangent = srbf_tangent_across(srbf_su_direction(su, view));
-    float further = srbf_slant(wl.z);
-    for (int j = 0; j < srbf_su_lobes(su); ++j) {
-        srbf_vec3 apart = srbf_subtract(wl, srbf_su_centre(su, view, j));
-        float exponent = srbf_shaped_exponent(apart, srbf_dot(apart, tangent), further, srbf_su_bandwidth(su, view, j),
-                srbf_su_shape(su, view, j));
-        sum = srbf_add(sum, srbf_scale(srbf_exp_of_lobe(exponent), srbf_su_coefficient(su, view, j)));
-    }
+    for (int j = 0; j < srbf_su_lobes(su); ++j)
+        sum = srbf_add(sum, srbf_scale(srbf_gaussian(wl, srbf_su_centre(su, view, j), srbf_su_bandwidth(su, view, j)),
+                srbf_su_coefficient(su, view, j)));
     return sum;
 }
 SRBF_FN srbf_SuNeighbour srbf_su_rotated_neighbour(srbf_su su, srbf_vec3 wv, int k) {
@@ -1482,7 +1463,7 @@ static int srbf_read_pm(srbf_file* file, srbf_model* model) {
 static int srbf_read_su(srbf_file* file, srbf_model* model) {
     srbf_view_lobes* su = &model->su;
     const size_t views = srbf_extent(file, "bandwidth", 0, 8192), lobes = srbf_extent(file, "bandwidth", 1, 64);
-    const srbf_tensor *coefficient, *bandwidth, *centre, *shape = 0;
+    const srbf_tensor *coefficient, *bandwidth, *centre;
     size_t i, j;
     float* number;
     su->of_lights = srbf_choice(file, "discretise", "view light ", SRBF_BAD_METADATA);
@@ -1492,21 +1473,20 @@ static int srbf_read_su(srbf_file* file, srbf_model* model) {
     coefficient = srbf_need(file, "coefficient", views, lobes, 3, 0.0f, SRBF_MOST);
     bandwidth = srbf_need(file, "bandwidth", views, lobes, 0, 0.0f, SRBF_MOST);
     centre = srbf_need(file, "centre", views, lobes, 2, -SRBF_MOST, SRBF_MOST);
-    if (srbf_find(file, "shape")) shape = srbf_need(file, "shape", views, lobes, 0, -SRBF_MOST, SRBF_MOST);
     if (views < 8) srbf_fail_tensor(file, bandwidth);
     if (file->error) return 0;
-    su->number = number = (float*)srbf_take(file, views * (3 + 8 * lobes) * sizeof *number);
+    su->number = number = (float*)srbf_take(file, views * (3 + 7 * lobes) * sizeof *number);
     // Views are the Fibonacci set of the hemisphere, and angles are relative to the mirror direction.
     for (i = 0; number && i < views; ++i) {
         const double z = ((double)i + 0.5) / (double)views, r = sqrt(1.0 - z * z), phi = 2.3999632297286533 * (double)i;
         const float theta0 = atan2f((float)r, (float)z), phi0 = atan2f(-(float)(r * sin(phi)), -(float)(r * cos(phi)));
         *number++ = (float)(r * cos(phi)), *number++ = (float)(r * sin(phi)), *number++ = (float)z;
-        for (j = i * lobes; j < (i + 1) * lobes; ++j, number += 8) {
+        for (j = i * lobes; j < (i + 1) * lobes; ++j, number += 7) {
             const float theta = theta0 + srbf_number(file, centre, 2 * j);
             const srbf_vec3 beta = srbf_numbers(file, coefficient, 3 * j);
             const srbf_vec3 xi = srbf_spherical(theta, phi0 + srbf_number(file, centre, 2 * j + 1));
             memcpy(number, &beta, sizeof beta), number[3] = srbf_number(file, bandwidth, j);
-            memcpy(number + 4, &xi, sizeof xi), number[7] = srbf_number(file, shape, j);
+            memcpy(number + 4, &xi, sizeof xi);
         }
     }
     return !file->error;
@@ -1654,15 +1634,15 @@ SRBF_INLINE srbf_vec3 srbf_part_value(const srbf_part* part, srbf_vec3 wl, srbf_
 static float srbf_luminance(srbf_vec3 f) { return 0.2126f * f.x + 0.7152f * f.y + 0.0722f * f.z; }
 static float srbf_turns(double x) { return (float)(x - floor(x)); }
 
-// A view where all slots have weight, and half-vector lobes these stretches and powers.
-static void srbf_set_shape(srbf_view* view, const srbf_mixture* mixture, srbf_vec3 wv, const float shape[4]) {
+// A view where all slots have weight, and half-vector lobes this stretch and power.
+static void srbf_set_shape(srbf_view* view, const srbf_mixture* mixture, srbf_vec3 wv, const float shape[2]) {
     int k;
     for (k = 0; k < SRBF_NUMBERS; ++k) view->number[k] = 1.0f;
-    memcpy(view->number + SRBF_STRETCH, shape, 4 * sizeof *shape);
+    memcpy(view->number + SRBF_STRETCH, shape, 2 * sizeof *shape);
     view->mixture = mixture, view->wv = wv;
     srbf_set_view(view);
 }
-static void srbf_set_densities(srbf_points* points, const srbf_mixture* mixture, const float shape[4]) {
+static void srbf_set_densities(srbf_points* points, const srbf_mixture* mixture, const float shape[2]) {
     srbf_view view;
     int i;
     for (i = 0; i < points->count; ++i) {
@@ -1702,7 +1682,7 @@ static float srbf_least_moment(const srbf_points* points, int steps, float weigh
 // Sets samples of all components in a wide and a narrow shape at the points' views, weighted by the square of
 // f cos(theta_l) over its integral.
 static void srbf_make_points(const srbf_part* part, srbf_points* points) {
-    static const float shapes[2][4] = {{1.0f, 1.0f, 1.0f, 1.0f}, {0.4f, 2.4f, 0.1f, 2.4f}};
+    static const float shapes[2][2] = {{1.0f, 1.0f}, {0.2f, 2.4f}};
     const int draws = SRBF_MOST_POINTS / (points->views * 2 * points->components), half = points->components * draws;
     double albedo = 0.0;
     srbf_view view;
@@ -1736,16 +1716,14 @@ static void srbf_make_points(const srbf_part* part, srbf_points* points) {
     }
 }
 
-// Stretches 0.64^a and powers 0.64^(1 - b) of the even and of the odd lobes, from their steps a, b.
-static void srbf_shape_of(const int at[4], float shape[4]) {
-    int i;
-    for (i = 0; i < 4; ++i) shape[i] = powf(0.64f, (float)(i % 2 ? 1 - at[i] : at[i]));
+// The stretch 0.64^a and the power 0.64^(1 - b), from the steps a, b.
+static void srbf_shape_of(const int at[2], float shape[2]) {
+    shape[0] = powf(0.64f, (float)at[0]), shape[1] = powf(0.64f, (float)(1 - at[1]));
 }
-// The numbers of a node: the shapes by descent, first of all lobes together, then of the odd and of the even ones; then
-// the weights of least variance.
+// The numbers of a node: the shape by descent, then the weights of least variance.
 static void srbf_make_node(srbf_part* part, srbf_points* points, int node) {
-    float *number = part->mixture.number[node], shape[4], least, moment, sum = 0.0f;
-    int i, k, move, best[4] = {0, 1, 0, 1}, is_better = node > 0;
+    float *number = part->mixture.number[node], shape[2], least, moment, sum = 0.0f;
+    int i, move, best[2] = {0, 1}, is_better = node > 0;
     points->views = part->model->is_isotropic ? 3 : 8;
     for (i = 0; i < points->views; ++i) {
         const float apart = points->views == 3 ? ((float)i - 1.0f) / 3.0f : 0.0f;
@@ -1758,16 +1736,12 @@ static void srbf_make_node(srbf_part* part, srbf_points* points, int node) {
     srbf_set_densities(points, &part->mixture, shape);
     least = srbf_least_moment(points, 15, number);
     while (is_better) {
-        int centre[4];
-        memcpy(centre, best, sizeof centre);
+        const int centre[2] = {best[0], best[1]};
         is_better = 0;
-        for (move = 0; move < 12; ++move) {  // of both, of the even and of the odd lobes: stretch or power up or down
-            int at[4];
-            memcpy(at, centre, sizeof at);
-            for (k = 0; k < 2; ++k)
-                if (move / 4 != 1 + k) at[2 * k + move % 2] += move / 2 % 2 ? 1 : -1;
-            for (k = 0; k < 2 && at[2 * k] >= -2 && at[2 * k] <= 10 && at[2 * k + 1] >= 0 && at[2 * k + 1] <= 7;) ++k;
-            if (k < 2) continue;
+        for (move = 0; move < 4; ++move) {  // stretch or power up or down
+            int at[2] = {centre[0], centre[1]};
+            at[move % 2] += move / 2 ? 1 : -1;
+            if (at[0] < -2 || at[0] > 10 || at[1] < 0 || at[1] > 7) continue;
             srbf_shape_of(at, shape);
             srbf_set_densities(points, &part->mixture, shape);
             moment = srbf_least_moment(points, 15, number);
@@ -1775,8 +1749,7 @@ static void srbf_make_node(srbf_part* part, srbf_points* points, int node) {
         }
     }
     srbf_shape_of(best, shape);
-    if (node == 0)
-        for (i = 0; i < 4; ++i) shape[i] = 1.0f;
+    if (node == 0) shape[0] = shape[1] = 1.0f;
     srbf_set_densities(points, &part->mixture, shape);
     srbf_least_moment(points, 60, number);
     number[0] = srbf_max(number[0], 0.02f);

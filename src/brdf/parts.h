@@ -91,4 +91,15 @@ inline constexpr std::size_t k_most_beam_rings = 256, k_most_beam_nodes = 2048;
 inline constexpr std::array<std::string_view, k_parts> k_beam_names{"reflection_front", "reflection_back",
                                                                     "transmission", "transmission_back"};
 
+/// Exchanges light and viewer in each part, so that the transmissions change places.
+template <typename B> void exchange_parts(Parts<B>& parts) {
+    for (auto& part : parts) {
+        if (!part) continue;
+        B copy = *part;
+        exchange(copy);
+        part = std::make_shared<const B>(std::move(copy));
+    }
+    std::swap(parts[std::size_t(Part::transmission_front)], parts[std::size_t(Part::transmission_back)]);
+}
+
 SRBF_END

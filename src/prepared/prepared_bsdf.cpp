@@ -141,14 +141,7 @@ PreparedBsdf prepare_bsdf(const Measured& measured, const ProposeOptions& option
     const auto* bsdf = std::get_if<BsdfTable>(&measured.table);
     if (!bsdf) return PreparedBsdf(prepare(measured, options));
     Parts<Measured> parts = bsdf->band().part;
-    if (!measured.exchanged) return prepare_parts(parts, bsdf->band().beam, options);
-    for (auto& part : parts) {
-        if (!part) continue;
-        Measured copy = *part;
-        exchange(copy);
-        part = std::make_shared<const Measured>(std::move(copy));
-    }
-    std::swap(parts[std::size_t(Part::transmission_front)], parts[std::size_t(Part::transmission_back)]);
+    if (measured.exchanged) exchange_parts(parts);
     return prepare_parts(parts, bsdf->band().beam, options);
 }
 

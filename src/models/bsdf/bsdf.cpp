@@ -41,15 +41,7 @@ bool is_isotropic(const BsdfModel& model) {
     return std::ranges::all_of(model.part, [](const auto& part) { return !part || is_isotropic(*part); });
 }
 
-void exchange(BsdfModel& model) {
-    for (auto& part : model.part) {
-        if (!part) continue;
-        Model copy = *part;
-        exchange(copy);
-        part = std::make_shared<const Model>(std::move(copy));
-    }
-    std::swap(model.part[std::size_t(Part::transmission_front)], model.part[std::size_t(Part::transmission_back)]);
-}
+void exchange(BsdfModel& model) { exchange_parts(model.part); }
 
 namespace {
 std::string prefix_of(Part part) { return fmt::format("{}.", name(part)); }

@@ -9,64 +9,35 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// The direction at which lobes are evaluated, and the one that was sampled.
-struct SampledPair {
-    Vec3f evaluated, sampled;
-};
-SampledPair sampled_pair(const SuModel& model, Vec3f wl, Vec3f wv) {
-    return model.discretise == Discretise::view ? SampledPair{wl, wv} : SampledPair{wv, wl};
-}
-
-Rgb plain_value(const SuModel& model, const NearestViews& nearest, const SampledPair& pair) {
-    const Vec3f f = Kernel<float>::su_plain_value(model, nearest, pair.evaluated, pair.sampled, model.neighbours);
-    return {f.x, f.y, f.z};
+template <typename Choice> std::optional<Choice> choice_named(std::string_view text) {
+    for (const Choice of : {Choice(0), Choice(1)})
+        if (name(of) == text) return of;
+    return std::nullopt;
 }
 
 }  // namespace
 
 std::string_view name(Discretise discretise) { return discretise == Discretise::view ? "view" : "light"; }
-std::optional<Discretise> discretise_named(std::string_view text) {
-    for (const Discretise discretise : {Discretise::view, Discretise::light})
-        if (name(discretise) == text) return discretise;
-    return std::nullopt;
-}
+std::optional<Discretise> discretise_named(std::string_view text) { return choice_named<Discretise>(text); }
 
 std::string_view name(SuInterpolation interpolation) {
     return interpolation == SuInterpolation::rotated ? "rotated" : "plain";
 }
 std::optional<SuInterpolation> interpolation_named(std::string_view text) {
-    for (const SuInterpolation interpolation : {SuInterpolation::rotated, SuInterpolation::plain})
-        if (name(interpolation) == text) return interpolation;
-    return std::nullopt;
+    return choice_named<SuInterpolation>(text);
 }
 
 std::string_view name(DirectionMap map) { return map == DirectionMap::cube ? "cube" : "parabolic"; }
-std::optional<DirectionMap> map_named(std::string_view text) {
-    for (const DirectionMap map : {DirectionMap::cube, DirectionMap::parabolic})
-        if (name(map) == text) return map;
-    return std::nullopt;
-}
+std::optional<DirectionMap> map_named(std::string_view text) { return choice_named<DirectionMap>(text); }
 
 Rgb value(const SuModel& model, Vec3f wl, Vec3f wv) {
+    using K = Kernel<float>;
     if (!above_horizon(wl, wv)) return {};
-    const SampledPair pair = sampled_pair(model, wl, wv);
-    if (model.interpolation == SuInterpolation::plain)
-        return plain_value(model, nearest_views(model, pair.sampled), pair);
-    const Vec3f f = Kernel<float>::su_rotated_value(model, pair.evaluated, pair.sampled);
+    if (model.discretise == Discretise::light) std::swap(wl, wv);  // lobes are functions of wv then
+    const Vec3f f = model.interpolation == SuInterpolation::rotated
+                        ? K::su_rotated_value(model, wl, wv)
+                        : K::su_plain_value(model, nearest_views(model, wv), wl, wv, model.neighbours);
     return {f.x, f.y, f.z};
-}
-
-Rgb value(const SuModel& model, const IndexTexture& index, Vec3f wl, Vec3f wv) {
-    if (!above_horizon(wl, wv)) return {};
-    const SampledPair pair = sampled_pair(model, wl, wv);
-    NearestViews nearest = index.texels[texel_of(index.map, index.size, pair.sampled)];
-    const auto squared_distance = [&](std::uint16_t view) {
-        const Vec3f difference = model.direction[view] - pair.sampled;
-        return dot(difference, difference);
-    };
-    std::stable_sort(nearest.begin(), nearest.end(),
-                     [&](std::uint16_t a, std::uint16_t b) { return squared_distance(a) < squared_distance(b); });
-    return plain_value(model, nearest, pair);
 }
 
 NearestViews nearest_views(const SuModel& model, Vec3f w) {

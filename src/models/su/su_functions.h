@@ -30,9 +30,6 @@ inline constexpr int k_largest_texture = 1024;
 std::string_view name(DirectionMap map);
 std::optional<DirectionMap> map_named(std::string_view text);
 
-/// f_r by plain interpolation, from the nearest of the eight views that the texture holds for the direction.
-Rgb value(const SuModel& model, const IndexTexture& index, Vec3f wl, Vec3f wv);
-
 /// The integral ∫ ρ(w, wv_i) cosθ dω of each sampled direction, over the directions w of which the lobes are functions:
 /// the sum of the lobes' integrals, each from 512 points of a Gaussian about its maximum.
 std::vector<Rgb> view_integrals(const SuModel& model);

@@ -78,41 +78,10 @@ template <typename Factor> Xyz tristimulus(Factor factor) {
     return {sum.x / total_y, sum.y / total_y, sum.z / total_y};
 }
 
-using Matrix = std::array<std::array<double, 3>, 3>;
-
-Matrix inverse(const Matrix& m) {
-    Matrix adjugate{};
-    for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j) {
-            const std::size_t a = (j + 1) % 3, b = (j + 2) % 3, c = (i + 1) % 3, d = (i + 2) % 3;
-            adjugate[i][j] = m[a][c] * m[b][d] - m[a][d] * m[b][c];
-        }
-    const double determinant = m[0][0] * adjugate[0][0] + m[0][1] * adjugate[1][0] + m[0][2] * adjugate[2][0];
-    for (auto& row : adjugate)
-        for (double& element : row) element /= determinant;
-    return adjugate;
-}
-
-std::array<double, 3> operator*(const Matrix& m, const std::array<double, 3>& v) {
-    std::array<double, 3> product{};
-    for (std::size_t i = 0; i < 3; ++i) product[i] = m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2];
-    return product;
-}
-
-/// The matrix from XYZ to linear sRGB. The columns of its inverse are the primaries, scaled so that they sum to white.
-Matrix xyz_to_rgb() {
-    constexpr double chromaticity[3][2] = {{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}};
-    Matrix primaries{};
-    for (std::size_t c = 0; c < 3; ++c) {
-        const auto [x, y] = chromaticity[c];
-        primaries[0][c] = x / y, primaries[1][c] = 1, primaries[2][c] = (1 - x - y) / y;
-    }
-    const Xyz white = white_point();
-    const auto amount = inverse(primaries) * std::array<double, 3>{white.x, white.y, white.z};
-    for (auto& row : primaries)
-        for (std::size_t c = 0; c < 3; ++c) row[c] *= amount[c];
-    return inverse(primaries);
-}
+/// The inverse of the matrix of the primaries, scaled so that they sum to white (see `to_rgb`).
+constexpr double k_rgb_of_xyz[3][3] = {{3.2407148205543104, -1.5372621584680703, -0.49857151085450924},
+                                       {-0.96925666432303126, 1.8759927172355, 0.041555615967499598},
+                                       {0.055635572153487439, -0.20399709789612042, 1.0570758709162607}};
 
 /// R_r, R_g, R_b of `reflectance_spectrum` at k_primary_wavelengths.
 constexpr float k_primaries[3][18] = {
@@ -127,9 +96,10 @@ Xyz white_point() {
 }
 
 Rgb to_rgb(const Xyz& colour) {
-    static const Matrix matrix = xyz_to_rgb();
-    const auto rgb = matrix * std::array<double, 3>{colour.x, colour.y, colour.z};
-    return {float(rgb[0]), float(rgb[1]), float(rgb[2])};
+    const auto channel = [&](const double(&row)[3]) {
+        return float(row[0] * colour.x + row[1] * colour.y + row[2] * colour.z);
+    };
+    return {channel(k_rgb_of_xyz[0]), channel(k_rgb_of_xyz[1]), channel(k_rgb_of_xyz[2])};
 }
 
 std::vector<Rgb> rgb_weights(std::span<const float> wavelengths) {

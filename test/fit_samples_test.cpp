@@ -187,37 +187,17 @@ TEST(Folds, FewGroupsAreAnError) {
 TEST(FitToSamples, NoiseIsNotFitted) {
     const double noise = 0.02;
     const ScatteredSamples samples = samples_of(1500, noise, 4);
-    const ObserveSamplesOptions options{Objective::raw, k_cap, 0};
-    PmFitOptions pm_options;
-    pm_options.lobes = 3, pm_options.starts = 4, pm_options.perturbations = 5;
-    const auto fit = [&](const ScatteredSamples& training) -> Result<FitOutcome> {
-        const auto observations = observe(training, options);
-        if (!observations) return observations.error();
-        auto pm = fit_pm(*observations, pm_options);
-        if (!pm) return pm.error();
-        FitOutcome outcome;
-        outcome.model.model = pm->model;
-        return outcome;
-    };
-    const auto fold = assign_folds(samples, k_cap, 0);
-    ASSERT_TRUE(fold.ok());
-    const auto folds = heldout(fit, samples, *fold);
-    ASSERT_TRUE(folds.ok());
-    std::vector<float> measured;
-    for (const Rgb& f : samples.colour) measured.insert(measured.end(), {f.r, f.g, f.b});
-    const double error =
-        measure_samples(samples.wl, samples.wv, measured, heldout_values(samples, *fold, *folds), k_cap)
-            .squared_error_ratio;
+    const auto outcome = fit({"", "", 0, samples}, {PmRequest{.size = LobeCount{3}}, Objective::raw, k_cap});
+    ASSERT_TRUE(outcome.ok());
+    const double error = outcome->errors->heldout.squared_error_ratio;
     EXPECT_LT(error, 2 * noise * noise);    // the held-out samples are noisy themselves
     EXPECT_GT(error, 0.7 * noise * noise);  // a smaller error would mean that the fit used them
-    const auto full_fit = fit(samples);
-    ASSERT_TRUE(full_fit.ok());
     // The error against the noise-free values is smaller than that of a sample.
     double squared_error = 0, squares = 0;
     std::mt19937_64 random(5);
     for (int i = 0; i < 20000; ++i) {
         const Vec3d wl = random_direction_within(random, k_cap), wv = random_direction_within(random, k_cap);
-        const double f = double(glossy(wl, wv).g), g = double(value(full_fit->model, to_float(wl), to_float(wv)).g);
+        const double f = double(glossy(wl, wv).g), g = double(value(outcome->model, to_float(wl), to_float(wv)).g);
         squared_error += (f - g) * (f - g), squares += f * f;
     }
     EXPECT_LT(squared_error / squares, 0.5 * noise * noise);

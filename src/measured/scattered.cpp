@@ -71,7 +71,10 @@ class Nearest {
 /// An index of samples by their coordinates. It keeps no reference to the samples; copies of a measurement share it.
 class SampleIndex {
   public:
-    virtual ~SampleIndex() = default;
+    SampleIndex(Points points, std::vector<std::uint32_t> sample)
+        : points_(std::move(points)),
+          sample_(std::move(sample)),
+          tree_(5, points_, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {}
 
     struct Neighbours {
         std::uint32_t count;
@@ -79,21 +82,7 @@ class SampleIndex {
         std::array<float, k_neighbours + 1> distance2;
     };
     /// The nearest samples, in order of distance.
-    virtual Neighbours nearest(const Point& point) const = 0;
-};
-
-namespace {
-
-/// A k-d tree over the first `dimensions` coordinates: isotropic samples have three.
-template <std::size_t dimensions> class TreeOfSamples : public SampleIndex {
-  public:
-    TreeOfSamples(const Points& points, std::vector<std::uint32_t> sample)
-        : sample_(std::move(sample)), tree_(dimensions, points_, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {
-        for (const Point& point : points.coordinates)
-            std::copy_n(point.begin(), dimensions, points_.coordinates.emplace_back().begin());
-        tree_.buildIndex();
-    }
-    Neighbours nearest(const Point& point) const override {
+    Neighbours nearest(const Point& point) const {
         Neighbours found;
         Nearest result(std::min<std::size_t>(k_neighbours + 1, points_.coordinates.size()));
         tree_.findNeighbors(result, point.data(), {});
@@ -104,10 +93,12 @@ template <std::size_t dimensions> class TreeOfSamples : public SampleIndex {
     }
 
   private:
-    PointCloud<float, dimensions> points_;
+    Points points_;
     std::vector<std::uint32_t> sample_;  ///< the index of each point's sample, in ascending order
-    KdTree<float, dimensions> tree_;
+    KdTree<float, 5> tree_;
 };
+
+namespace {
 
 /// Removes coincident points beyond the number that a search returns. Returns the indices of the others.
 std::vector<std::uint32_t> keep_few_coincident(Points& points) {
@@ -134,10 +125,7 @@ void make_index(ScatteredSamples& samples) {
     for (std::size_t i = 0; i < samples.wl.size(); ++i)
         points.coordinates.push_back(coordinates_of(samples.wl[i], samples.wv[i], samples.isotropic));
     std::vector<std::uint32_t> kept = keep_few_coincident(points);
-    if (samples.isotropic)
-        samples.index = std::make_shared<const TreeOfSamples<3>>(points, std::move(kept));
-    else
-        samples.index = std::make_shared<const TreeOfSamples<5>>(points, std::move(kept));
+    samples.index = std::make_shared<const SampleIndex>(std::move(points), std::move(kept));
 }
 
 namespace {

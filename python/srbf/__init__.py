@@ -407,8 +407,8 @@ def _fit_of(outcome: dict[str, Any]) -> Fit:
 def fit(brdf: Union[Measurement, Path, Callable[[Array, Array], npt.ArrayLike]], *, progress: Progress = False, **options: Any) -> Fit:
     """Fits a measurement, a file of one, or a function f(wl, wv) of arrays [n, 3] that returns f_r as [n, 3] or [n, 1].
 
-    The options are those of `srbf fit --help`, with "_" for "-" in their names: `model` "pm", "su", "ggx" or "openpbr" (OpenPBR, or
-    another `surface`); `lobes` a number or "auto", or instead the visible error as `target_delta_e`; `form` one of
+    The options are those of `srbf fit --help`, with "_" for "-" in their names: `model` "pm", "su", "ggx" or a surface
+    ("openpbr", "gltf", "principled"); `lobes` a number or "auto", or instead the visible error as `target_delta_e`; `form` one of
     `forms()`; `objective` one of `objectives()`; `max_theta` [degrees]; `channels` "rgb" or "spectral"; flags such as `axial` True or
     False; `threads` a number, or 0 for all. None is the default of each. The result depends on `seed` only, not on `threads`.
 

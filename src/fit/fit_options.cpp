@@ -18,7 +18,7 @@ namespace {
 using Text = std::string_view;
 using Models = std::vector<Text>;
 constexpr double k_least_albedo_limit = 1e-3, k_most_albedo_limit = 1000;
-const Models k_all, k_of_pm{"pm"}, k_of_su{"su"}, k_of_ggx{"ggx"}, k_of_openpbr{"openpbr"};
+const Models k_all, k_of_pm{"pm"}, k_of_su{"su"}, k_of_ggx{"ggx"};
 
 PmRequest& pm(FitRequest& request) { return std::get<PmRequest>(request.model); }
 SuRequest& su(FitRequest& request) { return std::get<SuRequest>(request.model); }
@@ -73,27 +73,21 @@ FitOptionRow flag(FitOptionRow option, void (*set)(FitRequest&, bool)) {
 
 template <typename T> std::string preset(const T& value) { return fmt::format("{}", value); }
 const FitRequest k_request{};
-const PmRequest k_pm{};
 const SuRequest k_su{};
 
 FitOptionRow model() {
     return []<typename... R>(std::type_identity<std::variant<R...>>) {
-        const std::string about[] = {fmt::format("{}: {}", R::k_name, R::k_about)...};
-        return word({"model", k_all, "NAME", fmt::format("{}", fmt::join(about, ";\n")), preset(model_name(k_request))},
-                    k_model_names, [](FitRequest& r, Text name) {
-                        return ((R::k_name == name && (r.model.emplace<R>(), true)) || ...);
+        std::string about = fmt::format("{}", fmt::join({fmt::format("{}: {}", R::k_name, R::k_about)...}, ";\n"));
+        about += ";\ngltf, principled: only those that glTF with its extensions or Blender's Principled BSDF has";
+        std::vector<Text> names(k_model_names.begin(), k_model_names.end());
+        std::ranges::remove_copy(k_openpbr_surfaces, std::back_inserter(names), OpenPbrRequest::k_name);
+        return word({"model", k_all, "NAME", about, preset(model_name(k_request))}, names,
+                    [](FitRequest& r, Text name) {
+                        const auto surface = openpbr_surface_named(name);
+                        if (surface) r.model = OpenPbrRequest{*surface};
+                        return surface || ((R::k_name == name && (r.model.emplace<R>(), true)) || ...);
                     });
     }(std::type_identity<AnyRequest>());
-}
-
-FitOptionRow surface() {
-    return word({"surface", k_of_openpbr, "NAME",
-                 "Whose parameters are fitted: of OpenPBR, of glTF with its extensions, or of Blender's\n"
-                 "Principled BSDF",
-                 preset(name(OpenPbrRequest{}.surface))},
-                k_openpbr_surfaces, [](FitRequest& r, Text text) {
-                    return store(openpbr_surface_named(text), std::get<OpenPbrRequest>(r.model).surface);
-                });
 }
 
 /// The options of multivariate lobes.
@@ -218,12 +212,6 @@ void add_goals(std::vector<FitOptionRow>& to) {
 }
 
 void add_running(std::vector<FitOptionRow>& to) {
-    to.push_back(
-        number<double>({"effort", k_of_pm, "E",
-                        fmt::format("pm: length of the search for lobes as a multiple of the default, {} to {}",
-                                    k_least_effort, k_most_effort),
-                        preset(k_pm.effort)},
-                       k_least_effort, k_most_effort, [](FitRequest& r, double effort) { pm(r).effort = effort; }));
     to.push_back(number<std::uint64_t>({"seed", k_all, "SEED", "Seed of the random numbers", preset(k_request.seed)}, 0,
                                        std::numeric_limits<std::uint64_t>::max(),
                                        [](FitRequest& r, std::uint64_t seed) { r.seed = seed; }));
@@ -291,7 +279,7 @@ Result<Done> check_rules(const FitRequest& request, const FitTexts& texts, const
 
 std::span<const FitOptionRow> fit_options() {
     static const std::vector<FitOptionRow> options = [] {
-        std::vector<FitOptionRow> all{model(), surface()};
+        std::vector<FitOptionRow> all{model()};
         for (const auto add : {add_lobes, add_counts, add_objective, add_views, add_goals, add_running}) add(all);
         return all;
     }();

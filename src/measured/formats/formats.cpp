@@ -135,7 +135,7 @@ Result<Measured> indexed(Result<Measured> measured) {
 }
 
 /// Masks values up to the floor, and converts values to f.
-Result<Done> apply(const ReadOptions& options, ScatteredSamples& samples) {
+Result<Done> apply(const ReadOptions& options, ScatteredSamples& samples, const std::string& file_name) {
     const std::size_t channels = samples.wavelengths.size();
     if (options.floor > 0)
         keep_samples(samples, [&](std::size_t i) {
@@ -144,9 +144,9 @@ Result<Done> apply(const ReadOptions& options, ScatteredSamples& samples) {
             return channels > 0 ? std::ranges::all_of(spectrum, [&](float x) { return x > options.floor; })
                                 : std::min({f.r, f.g, f.b}) > options.floor;
         });
-    if (samples.wl.empty()) return Error{{}, {}, "samples", "at least one above the floor", "none"};
+    if (samples.wl.empty()) return input_error(file_name, "samples", "at least one above the floor", "none");
     to_bsdf(samples, options.quantity);
-    if (samples.wl.empty()) return Error{{}, {}, "samples", "values in the range of f", "none"};
+    if (samples.wl.empty()) return input_error(file_name, "samples", "values in the range of f", "none");
     return Done{};
 }
 
@@ -157,11 +157,7 @@ Result<Measured> read_with_options(std::span<const std::byte> bytes, const std::
     if (!options.any() || !measured) return measured;
     auto* samples = std::get_if<ScatteredSamples>(&measured->table);
     if (!samples) return argument_error(file_name, "input", "samples, for --quantity and --floor", measured->format);
-    if (const auto applied = apply(options, *samples); !applied) {
-        Error error = applied.error();
-        error.source = file_name;
-        return error;
-    }
+    if (const auto applied = apply(options, *samples, file_name); !applied) return applied.error();
     return measured;
 }
 

@@ -197,23 +197,6 @@ Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, s
     return measures_of(sums[0]);
 }
 
-Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
-                         std::span<const Rgb> g, double max_theta) {
-    const auto flat = [](std::span<const Rgb> colours) {
-        std::vector<float> numbers;
-        for (const Rgb& c : colours) numbers.insert(numbers.end(), {c.r, c.g, c.b});
-        return numbers;
-    };
-    return measure_samples(wl, wv, flat(f), flat(g), max_theta);
-}
-
-Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
-                         const Evaluate& other, double max_theta) {
-    std::vector<Rgb> g(f.size());
-    other(wl, wv, g);
-    return measure_samples(wl, wv, f, g, max_theta);
-}
-
 Rgb albedo(const Evaluate& brdf, double theta_v, double max_theta) {
     const StandardArithmetic mode;
     const Vec3d wv = spherical(theta_v, 0.0);

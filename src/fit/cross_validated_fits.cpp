@@ -103,11 +103,10 @@ std::vector<float> heldout_values(const ScatteredSamples& samples, std::span<con
 /// The errors of a model at the samples, and of what the fits to other folds predict there.
 Comparison compared(const ScatteredSamples& samples, const FitRequest& request, const Model& model,
                     std::span<const float> predicted) {
+    const std::span<const float> measured =
+        request.spectral ? std::span(samples.spectrum) : std::span(&samples.colour[0].r, 3 * samples.colour.size());
     const auto measured_against = [&](std::span<const float> f) {
-        if (request.spectral) return measure_samples(samples.wl, samples.wv, samples.spectrum, f, request.theta());
-        std::vector<float> colours;
-        for (const Rgb& c : samples.colour) colours.insert(colours.end(), {c.r, c.g, c.b});
-        return measure_samples(samples.wl, samples.wv, colours, f, request.theta());
+        return measure_samples(samples.wl, samples.wv, measured, f, request.theta());
     };
     std::vector<float> f(predicted.size());
     channels(model).evaluate(samples.wl, samples.wv, f);

@@ -1,4 +1,5 @@
 #include "base/floating_point.h"
+#include "measured/formats/rows.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
 #include "srbf/elementary.h"
@@ -141,8 +142,6 @@ std::optional<Error> read_header_line(std::string_view line, Header& header, con
     return {};
 }
 
-}  // namespace
-
 bool is_alta(std::string_view text) {
     for (Lines lines(text); auto line = lines.next();) {
         if (!line->starts_with('#')) return false;
@@ -151,6 +150,8 @@ bool is_alta(std::string_view text) {
     }
     return false;
 }
+
+}  // namespace
 
 Result<ScatteredSamples> read_alta(std::span<const std::byte> bytes, const std::string& file_name) {
     Lines lines(as_text(bytes));
@@ -208,5 +209,7 @@ Result<ScatteredSamples> read_alta(std::span<const std::byte> bytes, const std::
     if (samples && header.output == "INV_STERADIAN_COSINE_FACTOR") to_bsdf(*samples, Quantity::cosine);
     return samples;
 }
+
+const Format k_alta_format{.name = "ALTA", .is_text = true, .recognise = in_text<is_alta>, .read = read_by<read_alta>};
 
 }  // namespace srbf

@@ -18,47 +18,6 @@ namespace {
 
 using Bytes = std::span<const std::byte>;
 
-std::uint64_t utia_size(Bytes) { return utia_bytes(); }
-
-/// Formats with a magic number, or with dimensions at the head. They are tried before those of extras.
-constexpr Format k_with_heads[] = {
-    {.name = "RGL",
-     .recognise = is_rgl,
-     .read = read_by<read_rgl>,
-     .extension = ".bsdf",
-     .used_by = "RGL",
-     .one_sided = true,
-     .write = write_as_rgl},
-    {.name = "MBSDF",
-     .recognise = is_mbsdf,
-     .read = read_any_mbsdf,
-     .extension = ".mbsdf",
-     .used_by = "MDL",
-     .write = write_as_mbsdf},
-    {.name = "MERL",
-     .recognise = is_merl,
-     .read = read_by<read_merl>,
-     .size = merl_bytes,
-     .extension = ".binary",
-     .used_by = "MERL",
-     .one_sided = true,
-     .write = write_as_merl},
-};
-/// Formats that are recognised by words or by size.
-constexpr Format k_others[] = {
-    {.name = "ALTA", .is_text = true, .recognise = in_text<is_alta>, .read = read_by<read_alta>},
-    {.name = "ASTM E1392", .is_text = true, .recognise = in_text<is_astm>, .read = read_by<read_astm>},
-    {.name = "Cornell", .is_text = true, .recognise = in_text<is_cornell>, .read = read_by<read_cornell>},
-    {.name = "CSV",
-     .is_text = true,
-     .recognise = in_text<is_csv>,
-     .read = read_any_csv,
-     .extension = ".csv",
-     .anisotropic = true,
-     .write = write_as_csv},
-    {.name = "UTIA", .recognise = is_utia, .read = read_by<read_utia>, .size = utia_size},
-};
-
 /// "A, B or C".
 std::string join_words(const std::vector<std::string_view>& words) {
     return fmt::format("{} or {}", fmt::join(words.begin(), words.end() - 1, ", "), words.back());
@@ -165,10 +124,10 @@ Result<Measured> read_with_options(std::span<const std::byte> bytes, const std::
 
 std::span<const Format> formats() {
     static const std::vector<Format> all = [] {
-        std::vector<Format> joined(std::begin(k_with_heads), std::end(k_with_heads));
+        std::vector<Format> joined{k_rgl_format, k_mbsdf_format, k_merl_format};  // by their first bytes
         for (const std::span<const Format> extra : k_extra_formats)
             joined.insert(joined.end(), extra.begin(), extra.end());
-        joined.insert(joined.end(), std::begin(k_others), std::end(k_others));
+        joined.insert(joined.end(), {k_alta_format, k_astm_format, k_cornell_format, k_csv_format, k_utia_format});
         return joined;
     }();
     return all;

@@ -2,6 +2,7 @@
 #include "base/text.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
+#include "measured/formats/rows.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
 #include "measured/tables.h"
@@ -173,16 +174,9 @@ Result<Blocks> read_blocks(std::span<const std::byte> bytes, const std::string& 
     return blocks;
 }
 
-}  // namespace
-
 bool is_mbsdf(std::span<const std::byte> bytes) { return as_text(bytes).starts_with(k_any_version); }
 
-Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::string& file_name) {
-    auto blocks = read_blocks(bytes, file_name);
-    if (!blocks) return blocks.error();
-    return std::move(blocks->reflection);
-}
-
+/// Reads both blocks, as reflection and transmission of light from the front; the reflection alone if there is no other.
 Result<Measured> read_any_mbsdf(std::span<const std::byte> bytes, const std::string& file_name, const ReadOptions&) {
     auto blocks = read_blocks(bytes, file_name);
     if (!blocks) return blocks.error();
@@ -194,6 +188,14 @@ Result<Measured> read_any_mbsdf(std::span<const std::byte> bytes, const std::str
     table.bands[0].part[std::size_t(Part::reflection_front)] = part(std::move(blocks->reflection));
     table.bands[0].part[std::size_t(Part::transmission_front)] = part(*std::move(blocks->transmission));
     return Measured{{}, {}, 0, std::move(table)};
+}
+
+}  // namespace
+
+Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::string& file_name) {
+    auto blocks = read_blocks(bytes, file_name);
+    if (!blocks) return blocks.error();
+    return std::move(blocks->reflection);
 }
 
 Rgb signed_value(const MbsdfTable& table, Vec3f wl, Vec3f wv) {
@@ -216,5 +218,12 @@ Rgb signed_value(const MbsdfTable& table, Vec3f wl, Vec3f wv) {
     for (int c = 0; c < 3; ++c) sum[c] = std::clamp(sum[c], -k_most_float, k_most_float);
     return sum;
 }
+
+const Format k_mbsdf_format{.name = "MBSDF",
+                            .recognise = is_mbsdf,
+                            .read = read_any_mbsdf,
+                            .extension = ".mbsdf",
+                            .used_by = "MDL",
+                            .write = write_as_mbsdf};
 
 }  // namespace srbf

@@ -3,6 +3,7 @@
 #include "base/floating_point.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
+#include "measured/formats/rows.h"
 #include "measured/readers.h"
 #include "measured/tables.h"
 #include "srbf/measured.h"
@@ -28,6 +29,17 @@ std::uint64_t file_size(const Dimensions& n) {
     return k_header + std::uint64_t(n[0]) * std::uint64_t(n[1]) * std::uint64_t(n[2]) * 3 * sizeof(double);
 }
 
+bool is_merl(std::span<const std::byte> bytes) {
+    if (bytes.size() < k_header) return false;
+    const Dimensions n = dimensions(bytes);
+    return n == Dimensions{90, 90, 180} || (in_range(n) && file_size(n) == bytes.size());
+}
+
+std::uint64_t merl_bytes(std::span<const std::byte> head) {
+    const bool has_header = head.size() >= k_header && in_range(dimensions(head));
+    return has_header ? file_size(dimensions(head)) : 0;
+}
+
 }  // namespace
 
 namespace of_numbers {
@@ -40,17 +52,6 @@ inline float floor(float x) { return float(Indices(x)); }  // of x ≥ 0
 inline bool is_number(float x) { return x == x; }
 #include "measured/merl.inl"
 }  // namespace of_numbers
-
-bool is_merl(std::span<const std::byte> bytes) {
-    if (bytes.size() < k_header) return false;
-    const Dimensions n = dimensions(bytes);
-    return n == Dimensions{90, 90, 180} || (in_range(n) && file_size(n) == bytes.size());
-}
-
-std::uint64_t merl_bytes(std::span<const std::byte> head) {
-    const bool has_header = head.size() >= k_header && in_range(dimensions(head));
-    return has_header ? file_size(dimensions(head)) : 0;
-}
 
 Result<MerlTable> read_merl(std::span<const std::byte> bytes, const std::string& file_name) {
     const StandardArithmetic mode;
@@ -87,5 +88,14 @@ Rgb signed_value(const MerlTable& table, Vec3f wl, Vec3f wv) {
     const Vec3f f = of_numbers::merl_value(table, wl, wv);
     return {f.x, f.y, f.z};
 }
+
+const Format k_merl_format{.name = "MERL",
+                           .recognise = is_merl,
+                           .read = read_by<read_merl>,
+                           .size = merl_bytes,
+                           .extension = ".binary",
+                           .used_by = "MERL",
+                           .one_sided = true,
+                           .write = write_as_merl};
 
 }  // namespace srbf

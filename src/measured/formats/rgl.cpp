@@ -4,6 +4,7 @@
 #include "brdf/colour.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
+#include "measured/formats/rows.h"
 #include "measured/formats/tensor_file.h"
 #include "measured/formats/warp.h"
 #include "measured/readers.h"
@@ -252,9 +253,9 @@ template <typename Visit> double look_up(const RglTable& table, Vec3f wl, Vec3f 
 /// Clamps a value, which may exceed the range of float at the horizon.
 float finite(double x) { return float(std::clamp<double>(x, -k_most_float, k_most_float)); }
 
-}  // namespace
-
 bool is_rgl(std::span<const std::byte> bytes) { return as_text(bytes).starts_with(k_tensor_magic); }
+
+}  // namespace
 
 Result<RglTable> read_rgl(std::span<const std::byte> bytes, const std::string& file_name) {
     const StandardArithmetic mode;
@@ -321,5 +322,13 @@ void signed_spectrum(const RglTable& table, Vec3f wl, Vec3f wv, std::span<float>
     const double scale = factor / double(wv.z);
     for (float& x : f) x = finite(scale * double(x));
 }
+
+const Format k_rgl_format{.name = "RGL",
+                          .recognise = is_rgl,
+                          .read = read_by<read_rgl>,
+                          .extension = ".bsdf",
+                          .used_by = "RGL",
+                          .one_sided = true,
+                          .write = write_as_rgl};
 
 }  // namespace srbf

@@ -1,4 +1,5 @@
 #include <cassert>
+#include <numeric>
 
 #include "base/floating_point.h"
 #include "base/k_d_tree.h"
@@ -100,19 +101,20 @@ class SampleIndex {
 
 namespace {
 
-/// Removes coincident points beyond the number that a search returns. Returns the indices of the others.
+/// Removes coincident points beyond the number that a search returns, since searches among very many are as slow as in a
+/// list. Returns the indices of the others.
 std::vector<std::uint32_t> keep_few_coincident(Points& points) {
-    const std::vector<std::uint32_t> first = first_coincident_points(points);
-    std::vector<std::uint8_t> count(first.size());  // the number of points that coincide with each first point
-    std::vector<std::uint32_t> kept;
-    kept.reserve(first.size());
-    for (std::size_t i = 0; i < first.size(); ++i) {
-        if (count[first[i]] > k_neighbours) continue;
-        ++count[first[i]];
-        points.coordinates[kept.size()] = points.coordinates[i];
-        kept.push_back(std::uint32_t(i));
+    auto& coordinates = points.coordinates;
+    std::vector<std::uint32_t> order(coordinates.size()), kept;
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::sort(order, {}, [&](std::uint32_t i) { return std::pair(coordinates[i], i); });
+    for (std::size_t k = 0, before = 0; k < order.size(); ++k) {
+        before = k > 0 && coordinates[order[k]] == coordinates[order[k - 1]] ? before + 1 : 0;
+        if (before <= k_neighbours) kept.push_back(order[k]);
     }
-    points.coordinates.resize(kept.size());
+    std::ranges::sort(kept);
+    for (std::size_t i = 0; i < kept.size(); ++i) coordinates[i] = coordinates[kept[i]];
+    coordinates.resize(kept.size());
     return kept;
 }
 

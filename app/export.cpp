@@ -155,7 +155,7 @@ Result<std::string> surface(const ExportCommand& asked, const std::vector<NamedM
     const auto fitted = provenance.find("surface");
     const bool lacks_some = parameters == "gltf" || parameters == "principled";
     if (text && lacks_some && fitted != provenance.end() && fitted->second != parameters)
-        fmt::print("{0}: the program lacks some parameters of {1}; a fit with --surface {0} has only its own\n",
+        fmt::print("{0}: the program lacks some parameters of {1}; a fit with --model {0} has only its own\n",
                    parameters, printable(fitted->second));
     return text;
 }

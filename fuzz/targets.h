@@ -95,7 +95,7 @@ struct NamedTarget {
 inline void check_utia(std::span<const std::byte> bytes) {
     check_values(read_utia(bytes, "f"));
     if (bytes.empty()) return;
-    std::vector<std::byte> table(utia_bytes());
+    std::vector<std::byte> table(3 * 288 * 288 * sizeof(double));
     for (std::size_t i = 0; i < table.size(); i += bytes.size())
         std::memcpy(&table[i], bytes.data(), std::min(bytes.size(), table.size() - i));
     check_values(read_utia(table, "f"));

@@ -97,8 +97,8 @@ class Command : public CommandLine {
   protected:
     static void SetUpTestSuite() {
         fitted = std::make_unique<TemporaryFolder>();
-        first = run(*fitted, {"fit", k_paper, "-o", "m.srbf", "--lobes", "2", "--variates", "2", "--effort", "0.1",
-                              "--threads", "1", "--preview", "p.png", "--json", "r.json"});
+        first = run(*fitted, {"fit", k_paper, "-o", "m.srbf", "--lobes", "2", "--variates", "2", "--threads", "1",
+                              "--preview", "p.png", "--json", "r.json"});
     }
     static void TearDownTestSuite() { fitted.reset(); }
     static Json report() { return Json::parse(contents(*fitted / "r.json"), nullptr, false); }

@@ -78,7 +78,7 @@ TEST_F(Command, fit_of_many_files_is_that_of_each) {
     write(folder / "small.binary", small_merl());
     write(folder / "broken.binary", small_merl() + "x");
     std::filesystem::copy(k_paper, folder / "small.bsdf");
-    const Arguments options{"--lobes", "2", "--variates", "2", "--effort", "0.1", "--threads", "2"};
+    const Arguments options{"--lobes", "2", "--variates", "2", "--threads", "2"};
     const Arguments arguments =
         Arguments{"fit", "small.binary", "broken.binary", "missing", k_paper, "small.bsdf", ".", "-o", "new/models"} +
         options;
@@ -109,7 +109,7 @@ TEST_F(Command, fit_of_many_files_is_that_of_each) {
     EXPECT_EQ(contents(models + "small.srbf"), small);
     EXPECT_EQ(std::filesystem::last_write_time(models + "paper_white_rgb.srbf"), written);
     // It does not keep models made with other options or from another measurement.
-    const Arguments resume{"fit", "small.binary", "-o", "new/models", "--resume", "--variates", "2", "--effort", "0.1"};
+    const Arguments resume{"fit", "small.binary", "-o", "new/models", "--resume", "--variates", "2"};
     EXPECT_NE(run(folder, resume + Arguments{"--lobes", "1"}).out.find("1 fitted"), std::string::npos);
     EXPECT_NE(run(folder, resume + Arguments{"--lobes", "1"}).out.find("1 kept"), std::string::npos);
     write(folder / "small.binary",
@@ -136,7 +136,7 @@ std::string smooth_samples(int count) {
 TEST_F(Command, fit_chooses_the_lobes_of_scattered_samples) {
     write(folder / "samples.csv", smooth_samples(40));
     const ProgramRun fit = run(folder, {"fit", "samples.csv", "--variates", "1", "--form", "source", "--objective",
-                                        "raw", "--max-theta", "70", "--effort", "0.2", "--json", "-"});
+                                        "raw", "--max-theta", "70", "--json", "-"});
     ASSERT_EQ(fit.status, 0) << fit.err;
     const Json json = Json::parse(fit.out, nullptr, false);
     EXPECT_EQ(json.value("folds", 0), 5);
@@ -165,7 +165,7 @@ std::string smooth_spectra() {
 TEST_F(Command, fit_takes_spectra) {
     write(folder / "s.brdf", smooth_spectra());
     const ProgramRun fit = run(folder, {"fit", "s.brdf", "--channels", "spectral", "--lobes", "2", "--variates", "2",
-                                        "--objective", "raw", "--max-theta", "75", "--effort", "0.3", "--json", "-"});
+                                        "--objective", "raw", "--max-theta", "75", "--json", "-"});
     ASSERT_EQ(fit.status, 0) << fit.err;
     const Json json = Json::parse(fit.out, nullptr, false);
     EXPECT_EQ(json.value("channels", 0), 5);
@@ -197,8 +197,7 @@ TEST_F(Command, fit_takes_spectra) {
 }
 
 TEST_F(Command, fit_stops_at_the_first_size_that_reaches_the_target) {
-    const ProgramRun fit =
-        run(folder, {"fit", k_paper, "--target-delta-e", "6", "--effort", "0.1", "-o", "b.srbf", "--json", "-"});
+    const ProgramRun fit = run(folder, {"fit", k_paper, "--target-delta-e", "6", "-o", "b.srbf", "--json", "-"});
     ASSERT_EQ(fit.status, 0) << fit.err;
     const Json json = Json::parse(fit.out, nullptr, false), path = json["path"];
     EXPECT_TRUE(json.value("reached", false));

@@ -53,6 +53,13 @@ ScatteredSamples samples_of(int count, double noise, std::uint64_t seed, double 
 
 constexpr double k_cap = 75 * k_degree;
 
+/// The errors of a model against values at the samples.
+Measures errors_at(const ScatteredSamples& samples, std::span<const Rgb> f, const Evaluate& model, double max_theta) {
+    std::vector<float> g(3 * f.size());
+    rgb_channels(model).evaluate(samples.wl, samples.wv, g);
+    return measure_samples(samples.wl, samples.wv, {&f[0].r, g.size()}, g, max_theta);
+}
+
 TEST(Folds, KeepGroupsTogetherAndHaveEqualSizes) {
     ScatteredSamples samples = samples_of(500, 0, 1);
     // Copies of every tenth sample: unchanged, exchanged, mirrored and rotated.
@@ -187,37 +194,17 @@ TEST(Folds, FewGroupsAreAnError) {
 TEST(FitToSamples, NoiseIsNotFitted) {
     const double noise = 0.02;
     const ScatteredSamples samples = samples_of(1500, noise, 4);
-    const ObserveSamplesOptions options{Objective::raw, k_cap, 0};
-    PmFitOptions pm_options;
-    pm_options.lobes = 3, pm_options.starts = 4, pm_options.perturbations = 5;
-    const auto fit = [&](const ScatteredSamples& training) -> Result<FitOutcome> {
-        const auto observations = observe(training, options);
-        if (!observations) return observations.error();
-        auto pm = fit_pm(*observations, pm_options);
-        if (!pm) return pm.error();
-        FitOutcome outcome;
-        outcome.model.model = pm->model;
-        return outcome;
-    };
-    const auto fold = assign_folds(samples, k_cap, 0);
-    ASSERT_TRUE(fold.ok());
-    const auto folds = heldout(fit, samples, *fold);
-    ASSERT_TRUE(folds.ok());
-    std::vector<float> measured;
-    for (const Rgb& f : samples.colour) measured.insert(measured.end(), {f.r, f.g, f.b});
-    const double error =
-        measure_samples(samples.wl, samples.wv, measured, heldout_values(samples, *fold, *folds), k_cap)
-            .squared_error_ratio;
+    const auto outcome = fit({"", "", 0, samples}, {PmRequest{.size = LobeCount{3}}, Objective::raw, k_cap});
+    ASSERT_TRUE(outcome.ok());
+    const double error = outcome->errors->heldout.squared_error_ratio;
     EXPECT_LT(error, 2 * noise * noise);    // the held-out samples are noisy themselves
     EXPECT_GT(error, 0.7 * noise * noise);  // a smaller error would mean that the fit used them
-    const auto full_fit = fit(samples);
-    ASSERT_TRUE(full_fit.ok());
     // The error against the noise-free values is smaller than that of a sample.
     double squared_error = 0, squares = 0;
     std::mt19937_64 random(5);
     for (int i = 0; i < 20000; ++i) {
         const Vec3d wl = random_direction_within(random, k_cap), wv = random_direction_within(random, k_cap);
-        const double f = double(glossy(wl, wv).g), g = double(value(full_fit->model, to_float(wl), to_float(wv)).g);
+        const double f = double(glossy(wl, wv).g), g = double(value(outcome->model, to_float(wl), to_float(wv)).g);
         squared_error += (f - g) * (f - g), squares += f * f;
     }
     EXPECT_LT(squared_error / squares, 0.5 * noise * noise);
@@ -241,7 +228,7 @@ TEST(FitToSamples, AveragesValuesAtTheSameDirections) {
     sample_options.lobes = 4, sample_options.starts = 4, sample_options.perturbations = 3;
     const auto fit = fit_pm(*observations, sample_options);
     ASSERT_TRUE(fit.ok());
-    const Measures errors = measure_samples(samples.wl, samples.wv, samples.colour, evaluator(fit->model), k_cap);
+    const Measures errors = errors_at(samples, samples.colour, evaluator(fit->model), k_cap);
     EXPECT_TRUE(near(errors.squared_error_ratio, 0.01 / 1.01, 0.001)) << errors.squared_error_ratio;
 }
 
@@ -576,8 +563,7 @@ TEST(FitToSamples, BoundsBarelyChangeAFitOfAMetal) {
         sample_options.seed = seed;
         const auto fit = fit_pm(*observations, sample_options);
         ASSERT_TRUE(fit.ok());
-        const Measures errors =
-            measure_samples(samples.wl, samples.wv, samples.colour, evaluator(fit->model), 89 * k_degree);
+        const Measures errors = errors_at(samples, samples.colour, evaluator(fit->model), 89 * k_degree);
         EXPECT_LT(errors.squared_error_ratio, 0.001) << seed;  // 0.0022 with only a few steps
     }
 }
@@ -600,8 +586,7 @@ TEST(FitToSamples, SpectralAndColourFitsOfAPaintAgree) {
     EXPECT_EQ(spectral->model.wavelength, samples.wavelengths);
     EXPECT_EQ(payload_bytes(spectral->model), payload_bytes(rgb->model) + 2 * 4 * (31 - 3));
     const auto error_of = [&](const PmModel& model) {
-        return measure_samples(samples.wl, samples.wv, samples.colour, evaluator(model), 80 * k_degree)
-            .squared_error_ratio;
+        return errors_at(samples, samples.colour, evaluator(model), 80 * k_degree).squared_error_ratio;
     };
     std::vector<float> f(samples.spectrum.size());
     spectra(spectral->model).evaluate(samples.wl, samples.wv, f);
@@ -610,8 +595,7 @@ TEST(FitToSamples, SpectralAndColourFitsOfAPaintAgree) {
     std::vector<Rgb> rgb_values(samples.wl.size());
     evaluate(rgb->model, samples.wl, samples.wv, rgb_values);
     const double difference =
-        measure_samples(samples.wl, samples.wv, rgb_values, evaluator(spectral->model), 80 * k_degree)
-            .squared_error_ratio;
+        errors_at(samples, rgb_values, evaluator(spectral->model), 80 * k_degree).squared_error_ratio;
     EXPECT_LT(error_of(spectral->model), 1.5 * error_of(rgb->model));
     EXPECT_LT(spectral_error, 5 * error_of(rgb->model));
     EXPECT_LT(difference, error_of(rgb->model));
@@ -642,7 +626,7 @@ TEST(FitToSamples, GapsAreFilledForSpectraAsForColours) {
     EXPECT_EQ(spectral->model.parameterization, rgb->model.parameterization);
     std::vector<Rgb> colours(samples.wl.size());
     evaluate(rgb->model, samples.wl, samples.wv, colours);
-    EXPECT_LT(measure_samples(samples.wl, samples.wv, colours, evaluator(spectral->model), k_cap).squared_error_ratio,
+    EXPECT_LT(errors_at(samples, colours, evaluator(spectral->model), k_cap).squared_error_ratio,
               1e-4);  // coefficients are rounded to 16 bits
 }
 

@@ -67,11 +67,10 @@ TEST(Merl, ReproducesItsNodes) {
                 // φ_d has no meaning where h is the normal or ωl = ωv: there the table answers with φ_d = 0.
                 const int known_p = h == 0 || d == 0 ? 0 : p;
                 if (h == 0 && d > 0 && p > 0) continue;
-                const Rgb f = value(table, wl, wv), g = nearest(table, wl, wv);
+                const Rgb f = value(table, wl, wv);
                 for (int c = 0; c < 3; ++c) {
                     const double expected = (c + 1) * multilinear(h, d, known_p);
                     EXPECT_PRED3(near_relative, f[c], expected, d == 0 ? 1e-3 : 1e-4) << h << ' ' << d << ' ' << p;
-                    EXPECT_PRED3(near_relative, g[c], expected, 1e-6) << h << ' ' << d << ' ' << p;
                 }
                 ++checked;
             }

@@ -15,11 +15,11 @@ const std::string k_folder = "fit m.binary -o o/ --model su --directions 8 --lob
 const std::pair<const char*, std::string> k_modes[] = {
     {"a folder", k_folder},
     {"view by view", "fit m.binary -o o.srbf --model su --directions 8 --lobes 1 --objective raw"},
-    {"a table", "fit m.binary -o o.srbf --effort 0.01 " + k_fit},
-    {"a goal", "fit m.binary -o o.srbf --objective raw --target-delta-e 50 --effort 0.01"},
+    {"a table", "fit m.binary -o o.srbf " + k_fit},
+    {"a goal", "fit m.binary -o o.srbf --objective raw --target-delta-e 50"},
     {"files as one", "fit s.csv s.csv --as-one -o o.srbf --model ggx --objective raw"},
     {"ggx", "fit m.binary -o o.srbf --model ggx --objective raw"},
-    {"openpbr", "fit m.binary -o o.srbf --model openpbr --surface principled --objective raw"},
+    {"openpbr", "fit m.binary -o o.srbf --model principled --objective raw"},
     {"texels", "map t.npy --pairs p.csv --lobes 1 --variates 1 -o o.srbf"},
     {"masks", "map m.binary m.binary --masks w.npy --lobes 1 --variates 1 -o o.srbf"},
     {"eval", "eval m.srbf --pairs p.csv"},
@@ -54,11 +54,11 @@ const std::map<std::string, std::string> k_argument = [] {
     std::map<std::string, std::string> arguments;
     std::string option;
     for (const std::string& word :
-         words("--output x.srbf --resume --as-one --model ggx --form gaussian --surface gltf --lobes 2 "
+         words("--output x.srbf --resume --as-one --model ggx --form gaussian --lobes 2 "
                "--variates 2 --axial --no-axial --as-measured --albedo-limit 0.01 --exchange --smooth "
                "--objective cosine --max-theta 70 --discretise light --directions 9 --interpolation 2 "
                "--with-index cube --band Solar --channels spectral --target-delta-e 50 --preview x.png --json "
-               "x.json --pairs p.csv --masks w.npy --width 1 --effort 0.5 --seed 1 --threads "
+               "x.json --pairs p.csv --masks w.npy --width 1 --seed 1 --threads "
                "1 --rgb-alone --basis 2 --columns wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value --quantity "
                "factor --floor 0.32 --renderer raster --mesh knot --up z --size 8x8 --aov --compare m.binary "
                "--env e.hdr --lights behind --spp 1 --bounces 1 --draw cosine --scene room --no-ground "

@@ -5,9 +5,9 @@
 
 #include "app/hash.h"
 #include "base/files.h"
-#include "errors/image_errors.h"
 #include "extras/render/app/page_of.h"
 #include "extras/render/app/path.h"
+#include "extras/render/likeness.h"
 #include "extras/render/page.h"
 #include "extras/render/slices.h"
 #include "measured/readers.h"

@@ -407,10 +407,10 @@ def _fit_of(outcome: dict[str, Any]) -> Fit:
 def fit(brdf: Union[Measurement, Path, Callable[[Array, Array], npt.ArrayLike]], *, progress: Progress = False, **options: Any) -> Fit:
     """Fits a measurement, a file of one, or a function f(wl, wv) of arrays [n, 3] that returns f_r as [n, 3] or [n, 1].
 
-    The options are those of `srbf fit --help`, with "_" for "-" in their names: `model` the name of a kind; `lobes` a number or "auto",
-    or instead the visible error as `target_delta_e`; `form` one of `forms()`; `objective` one of `objectives()`; `max_theta` [degrees];
-    `channels` "rgb" or "spectral"; flags such as `axial` True or False; `threads` a number, or 0 for all. None is the default of each.
-    The result depends on `seed` only, not on `threads`.
+    The options are those of `srbf fit --help`, with "_" for "-" in their names: `model` the name of a kind or of a surface ("openpbr",
+    "gltf", "principled"); `lobes` a number or "auto", or instead the visible error as `target_delta_e`; `form` one of `forms()`;
+    `objective` one of `objectives()`; `max_theta` [degrees]; `channels` "rgb" or "spectral"; flags such as `axial` True or False;
+    `threads` a number, or 0 for all. None is the default of each. The result depends on `seed` only, not on `threads`.
 
     A table is fitted by a reciprocal model, to the mean of f(wl, wv) and f(wv, wl) weighted by the cosines, with a limit on its albedo
     (`albedo_limit`). `as_measured=True` fits it as it is. Samples, light that passes through a surface and patches are fitted as they are.

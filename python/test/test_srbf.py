@@ -37,8 +37,8 @@ def facets(paper):
 
 @pytest.fixture(scope="module", params=["gaussian", "extended", "reciprocal", "general", "su", "ggx"])
 def model(request, paper):
-    options = {"su": {"model": "su", "lobes": 1}, "ggx": {"model": "ggx", "lobes": 2}, "general": {"axial": False, "lobes": 2, "variates": 2, "effort": 0.1}}
-    return srbf.fit(paper, objective="cosine", **options.get(request.param, {"form": request.param, "lobes": 2, "variates": 2, "effort": 0.1})).model
+    options = {"su": {"model": "su", "lobes": 1}, "ggx": {"model": "ggx", "lobes": 2}, "general": {"axial": False, "lobes": 2, "variates": 2}}
+    return srbf.fit(paper, objective="cosine", **options.get(request.param, {"form": request.param, "lobes": 2, "variates": 2})).model
 
 
 def by_formula(model, wl, wv, one_side=False):
@@ -136,11 +136,11 @@ def test_a_model_is_saved_pickled_and_converted(model, tmp_path):
 
 
 def test_a_fit_tells_what_the_program_tells(paper):
-    fit = srbf.fit(paper, lobes=2, variates=2, effort=0.1)
+    fit = srbf.fit(paper, lobes=2, variates=2)
     assert fit.reached and fit.stop_reason and fit.model.nbytes == 48
     assert fit.model.provenance["source"].endswith("paper_white_rgb.bsdf")
     assert float(fit.model.provenance["delta_e_itp"]) == pytest.approx(fit.errors["delta_e_itp"], rel=1e-3)
-    same = srbf.fit(PAPER, lobes=2, variates=2, effort=0.1, threads=1)
+    same = srbf.fit(PAPER, lobes=2, variates=2, threads=1)
     np.testing.assert_array_equal(same.model.parameters["coefficient"], fit.model.parameters["coefficient"])
     errors = srbf.errors(paper, fit.model, max_theta=89)
     assert errors["heldout_cube_root_error_ratio"] == pytest.approx(fit.errors["heldout_cube_root_error_ratio"], rel=1e-5)
@@ -170,7 +170,7 @@ def test_functions_and_arrays_are_fitted():
         assert wl.shape == wv.shape and wl.dtype == np.float32
         return np.full((len(wl), 1), 0.5 / np.pi)
 
-    fit = srbf.fit(lambert, lobes=1, variates=1, effort=0.1)
+    fit = srbf.fit(lambert, lobes=1, variates=1)
     np.testing.assert_allclose(fit.model.eval(directions(100), directions(100, seed=1)), 0.5 / np.pi, rtol=0.01)
     wl, wv = directions(300), directions(300, seed=1)
     samples = srbf.from_arrays(wl, wv, np.full(300, 0.25))
@@ -179,7 +179,7 @@ def test_functions_and_arrays_are_fitted():
 
 def test_progress_is_told_and_cancels(paper):
     calls = []
-    srbf.fit(paper, lobes=2, variates=2, effort=0.1, progress=lambda stage, fraction: calls.append((stage, fraction)))
+    srbf.fit(paper, lobes=2, variates=2, progress=lambda stage, fraction: calls.append((stage, fraction)))
     assert calls and all(0 <= fraction <= 1 for _, fraction in calls) and [f for _, f in calls] == sorted(f for _, f in calls)
     with pytest.raises(srbf.Error) as caught:
         srbf.fit(paper, progress=lambda stage, fraction: False)
@@ -219,7 +219,7 @@ class NotRead(srbf.Measurement):
     ("lobes", 3, {"model": "ggx"}), ("lobes", "auto", {"model": "su"}), ("lobes", 65, {"model": "su"}), ("seed", -1, {}),
     ("seed", 2**64, {}), ("seed", 1.5, {}), ("threads", -1, {}), ("threads", 1025, {}), ("variates", 0, {}), ("variates", 9, {}),
     ("form", "round", {}), ("objective", "best", {}), ("target_delta_e", 101, {}),
-    ("surface", "gltf", {}), ("surface", "usd", {"model": "openpbr"}), ("target_delta_e", -1, {}), ("axial", "no", {}),
+    ("model", "usd", {}), ("target_delta_e", -1, {}), ("axial", "no", {}),
     ("as_measured", 1, {}), ("as_measured", True, {"form": "extended"}), ("lobes", 2, {"model": "openpbr"}),
     *((option, value, {"model": kind}) for kind in ("su", "ggx") for option, value in (
         ("variates", 2), ("form", "gaussian"), ("axial", True), ("as_measured", True), ("target_delta_e", 2.0))),
@@ -230,7 +230,7 @@ def test_options_are_refused_by_name_at_once(name, value, options):
 
 
 def test_a_surface_has_the_parameters_of_its_program(paper):
-    parameters = srbf.fit(paper, model="openpbr", surface="gltf", objective="raw").model.parameters
+    parameters = srbf.fit(paper, model="gltf", objective="raw").model.parameters
     assert parameters["coat_ior"] == 1.5 and (parameters["coat_color"] == 1).all() and parameters["base_diffuse_roughness"] == 0
 
 
@@ -371,7 +371,7 @@ def test_other_threads_run_meanwhile(paper, facets, tmp_path):
             last += pauses[-1]
 
     for work in (lambda: srbf.from_arrays(wl, wv, f), lambda: srbf.convert(facets, tmp_path / "m.bsdf"),
-                 lambda: srbf.fit(paper, lobes=2, variates=2, effort=0.1)):
+                 lambda: srbf.fit(paper, lobes=2, variates=2)):
         done, start = threading.Event(), time.perf_counter()
         pauses.clear()
         thread = threading.Thread(target=watch)

@@ -15,23 +15,6 @@ namespace {
 
 namespace system = system_files;
 
-/// A file descriptor that is closed at the end of its scope.
-class Descriptor {
-  public:
-    explicit Descriptor(int number) : number_(number) {}
-    Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-    Descriptor& operator=(Descriptor&&) = delete;
-    ~Descriptor() { (void)close(); }
-
-    int number() const { return number_; }
-    /// Closes the file, also if a signal interrupts the call; returns 0 or errno. A full disk may be reported only
-    /// here.
-    int close() { return number_ < 0 || system::close(std::exchange(number_, -1)) == 0 || errno == EINTR ? 0 : errno; }
-
-  private:
-    int number_;
-};
-
 /// The result of a system call, which is repeated while signals interrupt it.
 template <typename Call> auto uninterrupted(const Call& call) {
     for (;;)
@@ -236,6 +219,10 @@ Result<Done> publish(Result<Replacement> file) {
 
 }  // namespace
 
+int Descriptor::close() {
+    return number_ < 0 || system::close(std::exchange(number_, -1)) == 0 || errno == EINTR ? 0 : errno;
+}
+
 Result<std::vector<std::byte>> read_file(const std::string& path) { return read_file(path, {}); }
 
 Result<std::vector<std::byte>> read_file(const std::string& path, const MostBytes& most) {
@@ -247,25 +234,18 @@ Result<std::vector<std::byte>> read_file(const std::string& path, const MostByte
 }
 
 Result<FileReader> FileReader::open(const std::string& path) {
-    const int descriptor = open_file(path, O_RDONLY);
-    if (descriptor < 0) return cannot_read(path, reason(errno));
-    return FileReader(path, descriptor);
-}
-
-FileReader::FileReader(FileReader&& other) noexcept
-    : path_(std::move(other.path_)), descriptor_(std::exchange(other.descriptor_, -1)) {}
-
-FileReader::~FileReader() {
-    if (descriptor_ >= 0) system::close(descriptor_);
+    Descriptor file(open_file(path, O_RDONLY));
+    if (file.number() < 0) return cannot_read(path, reason(errno));
+    return FileReader(path, std::move(file));
 }
 
 Result<std::size_t> FileReader::read(std::span<std::byte> bytes) {
-    return fill(bytes, path_, [&](auto* to, auto size, auto) { return system::read(descriptor_, to, size); });
+    return fill(bytes, path_, [&](auto* to, auto size, auto) { return system::read(file_.number(), to, size); });
 }
 
 Result<std::size_t> FileReader::read(std::uint64_t offset, std::span<std::byte> bytes) const {
     return fill(bytes, path_, [&](auto* to, std::size_t size, std::size_t filled) {
-        return system::read_at(descriptor_, to, size, offset + filled);
+        return system::read_at(file_.number(), to, size, offset + filled);
     });
 }
 

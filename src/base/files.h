@@ -2,6 +2,7 @@
 #pragma once
 #include <functional>
 #include <new>
+#include <utility>
 
 #include "base/text.h"
 #include "srbf/file.h"
@@ -56,13 +57,27 @@ inline bool is_safetensors(std::span<const std::byte> bytes) {
     return bytes.size() > 9 && bytes[8] == std::byte('{') && bytes[7] == std::byte(0) && bytes[6] == std::byte(0);
 }
 
+/// A file descriptor that is closed at the end of its scope.
+class Descriptor {
+  public:
+    explicit Descriptor(int number) : number_(number) {}
+    Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+    Descriptor& operator=(Descriptor&&) = delete;
+    ~Descriptor() { (void)close(); }
+
+    int number() const { return number_; }
+    /// Closes the file, also if a signal interrupts the call; returns 0 or errno. A full disk may be reported only
+    /// here.
+    int close();
+
+  private:
+    int number_;
+};
+
 class FileReader {
   public:
     /// Errors: those of `read_file`.
     static Result<FileReader> open(const std::string& path);
-    FileReader(FileReader&& other) noexcept;
-    FileReader& operator=(FileReader&&) = delete;
-    ~FileReader();
 
     const std::string& path() const { return path_; }
     /// Fills `bytes` with the next bytes of the file, fewer at its end; returns their number.
@@ -72,9 +87,9 @@ class FileReader {
     Result<std::size_t> read(std::uint64_t offset, std::span<std::byte> bytes) const;
 
   private:
-    FileReader(std::string path, int descriptor) : path_(std::move(path)), descriptor_(descriptor) {}
+    FileReader(std::string path, Descriptor file) : path_(std::move(path)), file_(std::move(file)) {}
     std::string path_;
-    int descriptor_;
+    Descriptor file_;
 };
 
 /// The next bytes of a file's content; none at its end.

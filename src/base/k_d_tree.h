@@ -1,12 +1,9 @@
 #pragma once
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <nanoflann.hpp>
-#include <numeric>
 #include <type_traits>
-#include <utility>
 #include <vector>
 
 namespace SRBF_NAMESPACE {
@@ -23,20 +20,6 @@ template <typename Real, std::size_t dimensions> struct PointCloud {
 template <typename Real, std::size_t dimensions>
 using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<Real, PointCloud<Real, dimensions>>,
                                                    PointCloud<Real, dimensions>, int(dimensions), std::uint32_t>;
-
-/// The index of the first point with exactly the same coordinates, for each point. Searches in a tree with many
-/// coincident points are as slow as in a list, so they are removed first.
-template <typename Real, std::size_t dimensions>
-std::vector<std::uint32_t> first_coincident_points(const PointCloud<Real, dimensions>& points) {
-    std::vector<std::uint32_t> order(points.coordinates.size()), first(points.coordinates.size());
-    std::iota(order.begin(), order.end(), 0u);
-    std::ranges::sort(order, {}, [&](std::uint32_t i) { return std::pair(points.coordinates[i], i); });
-    for (std::size_t k = 0; k < order.size(); ++k) {
-        const bool is_first = k == 0 || points.coordinates[order[k]] != points.coordinates[order[k - 1]];
-        first[order[k]] = is_first ? order[k] : first[order[k - 1]];
-    }
-    return first;
-}
 
 /// The result of a search within a radius: pairs of an index and a squared distance. Their type depends on nanoflann.
 template <typename Real>

@@ -106,10 +106,6 @@ std::string in_xml_comment(std::string_view text) {
     return line;
 }
 
-std::string in_markdown(std::string_view text) {
-    return escape_characters(html_escaped(printable(text)), "\\`*_[]|~", '\\');
-}
-
 std::string csv_field(std::string_view text) {
     std::string field = printable(text);
     if (!field.empty() && std::string_view("=+-@").find(field[0]) != std::string_view::npos) field.insert(0, 1, '\'');

@@ -28,8 +28,6 @@ std::string in_template_literal(std::string_view text);
 std::string html_escaped(std::string_view text);
 /// For a comment of XML: hyphens, of which two would end it, become underscores.
 std::string in_xml_comment(std::string_view text);
-/// For a paragraph or a table of Markdown: escapes mark-up.
-std::string in_markdown(std::string_view text);
 /// A field of CSV, in quotes if necessary. An apostrophe precedes text that spreadsheets would evaluate as a formula.
 std::string csv_field(std::string_view text);
 /// JSON of the same value, in which the characters that `printable` replaces are escaped.

@@ -6,7 +6,6 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <numeric>
-#include <variant>
 
 #include "base/half.h"
 #include "base/text.h"
@@ -14,110 +13,68 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-struct JsonValue;
-using JsonList = std::vector<JsonValue>;
-using JsonObject = std::map<std::string, JsonValue, std::less<>>;
-
-/// A value of JSON; std::monostate is null. Its destructor needs no memory, unlike nlohmann's, and cannot fail.
-struct JsonValue {
-    std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double, std::string, JsonList, JsonObject> content;
-
-    /// The content if it is a T, otherwise null. A non-negative integer is a std::uint64_t.
-    template <typename T> T* get() { return std::get_if<T>(&content); }
-    template <typename T> const T* get() const { return std::get_if<T>(&content); }
-    /// The entry of that name, or null if there is none or the value is not an object.
-    const JsonValue* find(std::string_view name) const {
-        const auto* object = get<JsonObject>();
-        const auto entry = object ? object->find(name) : JsonObject::const_iterator();
-        return object && entry != object->end() ? &entry->second : nullptr;
-    }
-};
-
-using JsonLibrary = nlohmann::json;
-
-/// Builds a value from the events of nlohmann's parser. A function that returns false stops the parser.
-class JsonBuilder : public nlohmann::json_sax<JsonLibrary> {
-  public:
-    explicit JsonBuilder(int deepest) : deepest_(deepest) {}
-
-    bool null() override { return add({}); }
-    bool boolean(bool x) override { return add({x}); }
-    bool number_integer(number_integer_t x) override { return add({x}); }
-    bool number_unsigned(number_unsigned_t x) override { return add({x}); }
-    bool number_float(number_float_t x, const string_t&) override { return add({x}); }
-    bool string(string_t& text) override { return add({std::move(text)}); }
-    bool binary(binary_t&) override { return false; }  // does not occur in text
-    bool start_object(std::size_t) override { return open({JsonObject()}); }
-    bool key(string_t& name) override { return name_ = std::move(name), true; }
-    bool end_object() override { return open_.pop_back(), true; }
-    bool start_array(std::size_t) override { return open({JsonList()}); }
-    bool end_array() override { return open_.pop_back(), true; }
-    bool parse_error(std::size_t, const std::string&, const JsonLibrary::exception&) override { return false; }
-
-    JsonValue value;
-    bool is_too_deep = false;
-
-  private:
-    /// Adds an entry to the innermost open list or object. Returns null if that is too deep.
-    JsonValue* insert(JsonValue entry) {
-        is_too_deep = int(open_.size()) > deepest_;
-        if (is_too_deep) return nullptr;
-        if (open_.empty()) return &(value = std::move(entry));
-        if (auto* list = open_.back()->get<JsonList>()) return &list->emplace_back(std::move(entry));
-        return &((*open_.back()->get<JsonObject>())[std::move(name_)] = std::move(entry));
-    }
-    bool add(JsonValue entry) { return insert(std::move(entry)) != nullptr; }
-    bool open(JsonValue entry) {
-        open_.push_back(insert(std::move(entry)));
-        return open_.back() != nullptr;
-    }
-
-    int deepest_;
-    std::vector<JsonValue*> open_;  ///< lists and objects that have not ended, from the outermost
-    std::string name_;
-};
-
-/// Parses `text`. Returns JSON's null if it is not valid JSON, and no value if it has more than `deepest` levels below
-/// the first. The last one of equal names in an object counts.
-std::optional<JsonValue> parse_json(std::string_view text, int deepest) {
-    JsonBuilder builder(deepest);
-    const bool is_complete = JsonLibrary::sax_parse(text.begin(), text.end(), &builder);
-    if (builder.is_too_deep) return std::nullopt;
-    return is_complete ? std::move(builder.value) : JsonValue();
-}
-
-/// A string in quotes. Bytes that are not UTF-8, as in names of files, are replaced.
-std::string json_of(const std::string& text) {
-    return JsonLibrary(text).dump(-1, ' ', false, JsonLibrary::error_handler_t::replace);
-}
-
-/// A short text of a value, for error messages. Lists with more than `k_most_listed` entries are not shown.
-constexpr std::size_t k_most_listed = 8;
-std::string brief_text(const JsonValue& json) {
-    constexpr std::size_t k_longest = 40;
-    const auto text_of = [](const auto& content) -> std::string {
-        using T = std::decay_t<decltype(content)>;
-        if constexpr (std::is_same_v<T, std::monostate>) return "null";
-        if constexpr (std::is_same_v<T, std::string>) return json_of(content);
-        if constexpr (std::is_arithmetic_v<T>) return fmt::format("{}", content);
-        return "something else";
-    };
-    if (const auto* list = json.get<JsonList>()) {
-        const bool is_shown = list->size() <= k_most_listed && std::ranges::none_of(*list, [](const JsonValue& entry) {
-                                  return entry.get<JsonList>() || entry.get<JsonObject>();
-                              });
-        if (!is_shown) return "something else";
-        std::vector<std::string> entries;
-        for (const JsonValue& entry : *list) entries.push_back(brief_text(entry));
-        return fmt::format("[{}]", fmt::join(entries, ", "));
-    }
-    return std::visit(text_of, json.content).substr(0, k_longest);
-}
+using Json = nlohmann::json;
 
 constexpr std::uint64_t k_length_bytes = 8;
-constexpr std::size_t k_most_tensors = 64;
+constexpr std::size_t k_most_tensors = 64, k_most_extents = 8;
 constexpr std::uint64_t k_most_header_bytes = std::uint64_t(1) << 20;
 constexpr int k_deepest = 3;  ///< levels of JSON in a header: the numbers of a shape are deepest
+
+/// The entries of a header, from the events of nlohmann's parser, and the members of each as texts. (Values of nlohmann's
+/// need memory where they are destroyed.) The last one of equal names in an object counts.
+class HeaderReader : public nlohmann::json_sax<Json> {
+  public:
+    struct Entry {
+        bool is_object = false;
+        std::map<std::string, std::string, std::less<>> members = {};
+    };
+    std::map<std::string, Entry> entries;
+    bool is_object = false, is_too_deep = false;
+
+    bool null() override { return add("null"); }
+    bool boolean(bool x) override { return add(x ? "true" : "false"); }
+    bool number_integer(number_integer_t x) override { return add(std::to_string(x)); }
+    bool number_unsigned(number_unsigned_t x) override { return add(std::to_string(x)); }
+    bool number_float(number_float_t, const string_t& text) override { return add(text); }
+    bool string(string_t& text) override { return add('"' + text + '"'); }
+    bool binary(binary_t&) override { return false; }  // does not occur in text
+    bool start_object(std::size_t) override { return open(true); }
+    bool key(string_t& name) override {
+        if (depth_ <= 2) (depth_ == 1 ? entry_ : member_) = std::move(name);
+        return true;
+    }
+    bool end_object() override { return --depth_ >= 0; }
+    bool start_array(std::size_t) override { return open(false); }
+    bool end_array() override {
+        if (--depth_ == 2) entries[entry_].members[member_] += ']';
+        return true;
+    }
+    bool parse_error(std::size_t, const std::string&, const Json::exception&) override { return is_object = false; }
+
+  private:
+    bool add(const std::string& text) {
+        is_too_deep = depth_ > k_deepest;
+        if (depth_ == 1) entries[entry_] = {};
+        if (depth_ == 2) entries[entry_].members[member_] = text;
+        if (depth_ == 3) {
+            std::string& list = entries[entry_].members[member_];
+            list += (list == "[" ? "" : ", ") + text;
+        }
+        return !is_too_deep;
+    }
+    bool open(bool as_object) {
+        if (!add(as_object ? "an object" : depth_ == 2 ? "[" : "a list")) return false;
+        if (depth_ == 0) is_object = as_object;
+        if (depth_ == 1) entries[entry_].is_object = as_object, member_.clear();
+        return ++depth_ > 0;
+    }
+
+    int depth_ = 0;  ///< lists and objects that have not ended
+    std::string entry_, member_;
+};
+
+/// A string in quotes. Bytes that are not UTF-8, as in names of files, are replaced.
+std::string json_of(const std::string& text) { return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 std::uint64_t little_endian_64(std::span<const std::byte> bytes) {
     std::uint64_t x = 0;
@@ -125,44 +82,41 @@ std::uint64_t little_endian_64(std::span<const std::byte> bytes) {
     return x;
 }
 
-/// Reads the extents of a shape. No value if one is not a positive integer or their product exceeds `most`.
-std::optional<std::vector<std::uint64_t>> shape_within(const JsonValue& json, std::uint64_t most) {
-    const auto* entries = json.get<JsonList>();
-    if (!entries || entries->size() > k_most_listed) return std::nullopt;
-    std::vector<std::uint64_t> shape;
-    std::uint64_t product = 1;
-    for (const JsonValue& entry : *entries) {
-        const auto* extent = entry.get<std::uint64_t>();
-        if (!extent || *extent == 0 || *extent > most / product) return std::nullopt;
-        product *= *extent;
-        shape.push_back(*extent);
+/// The counts in the text of a list, no more than extents of a shape; no value for any other text.
+std::optional<std::vector<std::uint64_t>> counts_in(std::string_view text) {
+    if (!text.starts_with('[')) return {};
+    std::vector<std::uint64_t> counts;
+    for (auto word = next_word(text, "[, ]"); !word.empty(); word = next_word(text, "[, ]")) {
+        const auto count = to_number<std::uint64_t>(word);
+        if (!count || counts.size() == k_most_extents) return {};
+        counts.push_back(*count);
     }
-    return shape;
+    return counts;
 }
 
 constexpr const char* name_of(Type16 type) { return type == Type16::half ? "F16" : "U16"; }
 
-Result<JsonObject> parse_header(std::string_view text, const std::string& file_name) {
-    auto header = parse_json(text, k_deepest);
-    if (!header)
-        return Error{file_name, k_length_bytes, "header", fmt::format("at most {} levels of JSON", k_deepest), "more"};
-    auto* object = header->get<JsonObject>();
-    if (!object) return Error{file_name, k_length_bytes, "header", "a JSON object", "something else"};
-    if (object->size() > k_most_tensors)
-        return Error{file_name, k_length_bytes, "number of tensors", fmt::format("at most {}", k_most_tensors),
-                     fmt::format("{}", object->size())};
-    return std::move(*object);
+Result<std::map<std::string, HeaderReader::Entry>> parse_header(std::string_view text, const std::string& file_name) {
+    const auto refuse = [&](const char* what, std::string expected, std::string found) {
+        return Error{file_name, k_length_bytes, what, std::move(expected), std::move(found)};
+    };
+    HeaderReader header;
+    const bool is_complete = Json::sax_parse(text.begin(), text.end(), &header);
+    if (header.is_too_deep) return refuse("header", fmt::format("at most {} levels of JSON", k_deepest), "more");
+    if (!is_complete || !header.is_object) return refuse("header", "a JSON object", "something else");
+    if (header.entries.size() > k_most_tensors)
+        return refuse("number of tensors", fmt::format("at most {}", k_most_tensors),
+                      fmt::format("{}", header.entries.size()));
+    return std::move(header.entries);
 }
 
-Result<std::map<std::string, std::string>> read_metadata(const JsonValue& entry, const std::string& file_name) {
-    const auto* object = entry.get<JsonObject>();
-    if (!object) return Error{file_name, k_length_bytes, "metadata", "an object of strings", "something else"};
-    std::map<std::string, std::string> metadata;
-    for (const auto& [name, value] : *object) {
-        const auto* text = value.get<std::string>();
-        if (!text)
+Result<Metadata> read_metadata(const HeaderReader::Entry& entry, const std::string& file_name) {
+    if (!entry.is_object) return Error{file_name, k_length_bytes, "metadata", "an object of strings", "something else"};
+    Metadata metadata;
+    for (const auto& [name, text] : entry.members) {
+        if (!text.starts_with('"'))
             return Error{file_name, k_length_bytes, fmt::format("metadata {:.80}", name), "a string", "something else"};
-        metadata[name] = *text;
+        metadata[name] = text.substr(1, text.size() - 2);
     }
     return metadata;
 }
@@ -179,30 +133,36 @@ struct LocatedTensor {
 };
 
 /// Reads the tensor `name`, which `entry` of the header describes, from `data`.
-Result<LocatedTensor> read_tensor(const std::string& name, const JsonValue& entry, std::span<const std::byte> data,
-                                  const std::string& file_name) {
+Result<LocatedTensor> read_tensor(const std::string& name, const HeaderReader::Entry& entry,
+                                  std::span<const std::byte> data, const std::string& file_name) {
     const auto refuse = [&](const char* part, std::string expected, std::string found) {
         return Error{file_name, k_length_bytes, fmt::format("tensor '{:.80}'{}", name, part), std::move(expected),
                      std::move(found)};
     };
-    const JsonValue *dtype = entry.find("dtype"), *extents = entry.find("shape"), *offsets = entry.find("data_offsets");
-    if (!dtype || !extents || !offsets) return refuse("", "dtype, shape and data_offsets", "one is missing");
-    const auto* type = dtype->get<std::string>();
-    if (!type || (*type != name_of(Type16::half) && *type != name_of(Type16::count)))
-        return refuse(": dtype", "\"F16\" or \"U16\"", brief_text(*dtype));
-    const auto shape = shape_within(*extents, data.size() / 2);
-    if (!shape)
-        return refuse(": shape", fmt::format("counts, at most {} numbers", data.size() / 2), brief_text(*extents));
-    const auto* ends = offsets->get<JsonList>();
-    const auto* begin = ends && ends->size() == 2 ? (*ends)[0].get<std::uint64_t>() : nullptr;
-    const auto* end = begin ? (*ends)[1].get<std::uint64_t>() : nullptr;
-    if (!end) return refuse(": data_offsets", "two counts", brief_text(*offsets));
-    const Range range{*begin, *end};
+    const auto text = [&](std::string_view member) {
+        const auto found = entry.members.find(member);
+        return found == entry.members.end() ? std::string() : found->second;
+    };
+    const std::string dtype = text("dtype"), extents = text("shape"), offsets = text("data_offsets");
+    if (dtype.empty() || extents.empty() || offsets.empty())
+        return refuse("", "dtype, shape and data_offsets", "one is missing");
+    constexpr std::size_t k_longest = 40;
+    if (dtype != "\"F16\"" && dtype != "\"U16\"")
+        return refuse(": dtype", "\"F16\" or \"U16\"", dtype.substr(0, k_longest));
+    const auto shape = counts_in(extents), ends = counts_in(offsets);
+    std::uint64_t left = data.size() / 2;  // over the extents so far
+    const bool fits =
+        shape && std::ranges::all_of(*shape, [&](std::uint64_t extent) { return extent > 0 && (left /= extent) > 0; });
+    if (!fits)
+        return refuse(": shape", fmt::format("counts, at most {} numbers", data.size() / 2),
+                      extents.substr(0, k_longest));
+    if (!ends || ends->size() != 2) return refuse(": data_offsets", "two counts", offsets.substr(0, k_longest));
+    const Range range{(*ends)[0], (*ends)[1]};
     const auto size = std::accumulate(shape->begin(), shape->end(), std::uint64_t(2), std::multiplies());
     if (range.end > data.size() || range.begin > range.end || range.end - range.begin != size)
         return refuse(": data_offsets", fmt::format("{} bytes within {}", size, data.size()),
                       fmt::format("[{}, {}]", range.begin, range.end));
-    Tensor16 tensor{*type == name_of(Type16::count) ? Type16::count : Type16::half, *shape, {}};
+    Tensor16 tensor{dtype == "\"U16\"" ? Type16::count : Type16::half, *shape, {}};
     tensor.data.reserve(std::size_t(size / 2));
     for (std::uint64_t i = range.begin; i < range.end; i += 2)
         tensor.data.push_back(std::uint16_t(std::to_integer<unsigned>(data[std::size_t(i)]) |

@@ -257,49 +257,15 @@ HWY_INLINE void evaluate_padded(std::size_t width, const Pair* wl, const Pair* w
     for (std::size_t k = 0; k < rest; ++k) f[whole + k] = last_f[k];
 }
 
-// Loads and stores batches of x, y, z that are interleaved in memory as x y z x y z ... Since the number of lanes is no
-// multiple of 3, the lanes of one component in three vectors never coincide. They are blended into one vector, which is
-// then permuted.
-struct Interleaved {
-    BatchMask third[3];  // the lanes r, r + 3, ...
-    decltype(hn::IndicesFromVec(Lanes(), hn::Zero(Batch::Bits()))) gather[3], scatter[3];
-
-    HWY_INLINE Interleaved() {
-        constexpr std::size_t most = HWY_MAX_BYTES / sizeof(float);
-        const std::size_t N = Batch::size();
-        HWY_ALIGN float phase[most];
-        for (std::size_t k = 0; k < N; ++k) phase[k] = float(k % 3);
-        for (std::size_t c = 0; c < 3; ++c) {
-            HWY_ALIGN std::int32_t sources[most], targets[most];
-            for (std::size_t k = 0; k < N; ++k) {
-                const std::size_t lane = (3 * k + c) % N;
-                sources[k] = std::int32_t(lane);
-                targets[lane] = std::int32_t(k);
-            }
-            gather[c] = hn::IndicesFromVec(Lanes(), hn::Load(Batch::Bits(), sources));
-            scatter[c] = hn::IndicesFromVec(Lanes(), hn::Load(Batch::Bits(), targets));
-            third[c] = hn::Eq(hn::Load(Lanes(), phase), hn::Set(Lanes(), float(c)));
-        }
-    }
-    // Selects a in the lanes `first`, first + 3, ..., b in the lanes `second`, second + 3, ..., and c in the others.
-    HWY_INLINE Batch blend(std::size_t first, std::size_t second, Batch a, Batch b, Batch c) const {
-        return select(third[first % 3], a, select(third[second % 3], b, c));
-    }
-    HWY_INLINE Vec3<Batch> load(const float* p) const {
-        const std::size_t N = Batch::size();
-        const Batch a = hn::LoadU(Lanes(), p), b = hn::LoadU(Lanes(), p + N), c = hn::LoadU(Lanes(), p + 2 * N);
-        const auto component = [&](std::size_t k) HWY_ATTR {
-            return Batch(hn::TableLookupLanes(blend(k, k + 2 * N, a, b, c).v, gather[k]));
-        };
-        return {component(0), component(1), component(2)};
-    }
-    HWY_INLINE void store(Vec3<Batch> w, float* p) const {
-        const std::size_t N = Batch::size();
-        const Batch x = hn::TableLookupLanes(w.x.v, scatter[0]), y = hn::TableLookupLanes(w.y.v, scatter[1]),
-                    z = hn::TableLookupLanes(w.z.v, scatter[2]);
-        for (std::size_t q = 0; q < 3; ++q) hn::StoreU(blend(2 * q * N, 2 * q * N + 1, x, y, z).v, Lanes(), p + q * N);
-    }
-};
+// Batches of x, y, z that are interleaved in memory as x y z x y z ...
+HWY_INLINE Vec3<Batch> load_triples(const float* p) {
+    Vec3<Batch> w;
+    hn::LoadInterleaved3(Lanes(), p, w.x.v, w.y.v, w.z.v);
+    return w;
+}
+HWY_INLINE void store_triples(const Vec3<Batch>& w, float* p) {
+    hn::StoreInterleaved3(w.x.v, w.y.v, w.z.v, Lanes(), p);
+}
 
 // `above_horizon` of srbf/brdf.h for each lane.
 HWY_INLINE BatchMask above_horizon(const Vec3<Batch>& wl, const Vec3<Batch>& wv) {
@@ -311,14 +277,13 @@ HWY_INLINE BatchMask above_horizon(const Vec3<Batch>& wl, const Vec3<Batch>& wv)
 // Evaluates value(wl, wv), a function of batches, for all pairs; f is 0 unless both directions are above the horizon.
 template <typename Pair, typename Colour, typename Value>
 HWY_INLINE void evaluate_pairs(const Pair* wl, const Pair* wv, Colour* f, std::size_t count, const Value& value) {
-    const Interleaved interleaved;
     const Vec3<Batch> normal(Batch(0.0), Batch(0.0), Batch(1.0)), none(Batch(0.0), Batch(0.0), Batch(0.0));
     const auto evaluate = [&](const Pair* batch_wl, const Pair* batch_wv, Colour* result, std::size_t n) HWY_ATTR {
         for (std::size_t i = 0; i < n; i += Batch::size()) {
-            const Vec3<Batch> l = interleaved.load(&batch_wl[i].x), v = interleaved.load(&batch_wv[i].x);
+            const Vec3<Batch> l = load_triples(&batch_wl[i].x), v = load_triples(&batch_wv[i].x);
             const BatchMask above = above_horizon(l, v);
             const Vec3<Batch> values = value(select(above, l, normal), select(above, v, normal));
-            interleaved.store(select(above, values, none), &result[i].r);
+            store_triples(select(above, values, none), &result[i].r);
         }
     };
     evaluate_padded(Batch::size(), wl, wv, f, count, evaluate);

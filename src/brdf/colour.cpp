@@ -12,56 +12,17 @@ namespace {
 /// Every 5 nm from 360 nm: x̄, ȳ, z̄ of CIE 1931 (2°), and the spectral power of D65.
 constexpr int k_first = 360, k_step = 5;
 constexpr std::size_t k_rows = 95;
-constexpr double k_observer[3][k_rows] = {
-    {0.0001299,    0.0002321,    0.0004149,    0.0007416,    0.001368,     0.002236,     0.004243,     0.00765,
-     0.01431,      0.02319,      0.04351,      0.07763,      0.13438,      0.21477,      0.2839,       0.3285,
-     0.34828,      0.34806,      0.3362,       0.3187,       0.2908,       0.2511,       0.19536,      0.1421,
-     0.09564,      0.05795001,   0.03201,      0.0147,       0.0049,       0.0024,       0.0093,       0.0291,
-     0.06327,      0.1096,       0.1655,       0.2257499,    0.2904,       0.3597,       0.4334499,    0.5120501,
-     0.5945,       0.6784,       0.7621,       0.8425,       0.9163,       0.9786,       1.0263,       1.0567,
-     1.0622,       1.0456,       1.0026,       0.9384,       0.8544499,    0.7514,       0.6424,       0.5419,
-     0.4479,       0.3608,       0.2835,       0.2187,       0.1649,       0.1212,       0.0874,       0.0636,
-     0.04677,      0.0329,       0.0227,       0.01584,      0.01135916,   0.008110916,  0.005790346,  0.004109457,
-     0.002899327,  0.00204919,   0.001439971,  0.0009999493, 0.0006900786, 0.0004760213, 0.0003323011, 0.0002348261,
-     0.0001661505, 0.000117413,  8.307527e-05, 5.870652e-05, 4.150994e-05, 2.935326e-05, 2.067383e-05, 1.455977e-05,
-     1.025398e-05, 7.221456e-06, 5.085868e-06, 3.581652e-06, 2.522525e-06, 1.776509e-06, 1.251141e-06},
-    {3.917e-06,  6.965e-06,  1.239e-05,  2.202e-05,  3.9e-05,   6.4e-05,    0.00012,    0.000217,   0.000396,
-     0.00064,    0.00121,    0.00218,    0.004,      0.0073,    0.0116,     0.01684,    0.023,      0.0298,
-     0.038,      0.048,      0.06,       0.0739,     0.09098,   0.1126,     0.13902,    0.1693,     0.20802,
-     0.2586,     0.323,      0.4073,     0.503,      0.6082,    0.71,       0.7932,     0.862,      0.9148501,
-     0.954,      0.9803,     0.9949501,  1,          0.995,     0.9786,     0.952,      0.9154,     0.87,
-     0.8163,     0.757,      0.6949,     0.631,      0.5668,    0.503,      0.4412,     0.381,      0.321,
-     0.265,      0.217,      0.175,      0.1382,     0.107,     0.0816,     0.061,      0.04458,    0.032,
-     0.0232,     0.017,      0.01192,    0.00821,    0.005723,  0.004102,   0.002929,   0.002091,   0.001484,
-     0.001047,   0.00074,    0.00052,    0.0003611,  0.0002492, 0.0001719,  0.00012,    8.48e-05,   6e-05,
-     4.24e-05,   3e-05,      2.12e-05,   1.499e-05,  1.06e-05,  7.4657e-06, 5.2578e-06, 3.7029e-06, 2.6078e-06,
-     1.8366e-06, 1.2934e-06, 9.1093e-07, 6.4153e-07, 4.5181e-07},
-    {0.0006061,    0.001086, 0.001946,    0.003486,    0.006450001, 0.01054999,  0.02005001, 0.03621, 0.06785001,
-     0.1102,       0.2074,   0.3713,      0.6456,      1.03905,     1.3856,      1.62296,    1.74706, 1.7826,
-     1.77211,      1.7441,   1.6692,      1.5281,      1.28764,     1.0419,      0.8129501,  0.6162,  0.46518,
-     0.3533,       0.272,    0.2123,      0.1582,      0.1117,      0.07824999,  0.05725001, 0.04216, 0.02984,
-     0.0203,       0.0134,   0.008749999, 0.005749999, 0.0039,      0.002749999, 0.0021,     0.0018,  0.001650001,
-     0.0014,       0.0011,   0.001,       0.0008,      0.0006,      0.00034,     0.00024,    0.00019, 0.0001,
-     4.999999e-05, 3e-05,    2e-05,       1e-05}};  // z̄ is 0 beyond
-constexpr double k_d65[k_rows] = {
-    46.6383, 49.3637, 52.0891, 51.0323, 49.9755, 52.3118, 54.6482, 68.7015, 82.7549, 87.1204, 91.486,  92.4589,
-    93.4318, 90.057,  86.6823, 95.7736, 104.865, 110.936, 117.008, 117.41,  117.812, 116.336, 114.861, 115.392,
-    115.923, 112.367, 108.811, 109.082, 109.354, 108.578, 107.802, 106.296, 104.79,  106.239, 107.689, 106.047,
-    104.405, 104.225, 104.046, 102.023, 100,     98.1671, 96.3342, 96.0611, 95.788,  92.2368, 88.6856, 89.3459,
-    90.0062, 89.8026, 89.5991, 88.6489, 87.6987, 85.4936, 83.2886, 83.4939, 83.6992, 81.863,  80.0268, 80.1207,
-    80.2146, 81.2462, 82.2778, 80.281,  78.2842, 74.0027, 69.7213, 70.6652, 71.6091, 72.979,  74.349,  67.9765,
-    61.604,  65.7448, 69.8856, 72.4863, 75.087,  69.3398, 63.5927, 55.0054, 46.4182, 56.6118, 66.8054, 65.0941,
-    63.3828, 63.8434, 64.304,  61.8779, 59.4519, 55.7054, 51.959,  54.6998, 57.4406, 58.8765, 60.3125};
+constexpr double k_observer[k_rows][4] = {
+#include "brdf/observer.csv"
+};
 constexpr int k_last = k_first + k_step * (int(k_rows) - 1);
 
 /// D65 (x̄, ȳ, z̄) at an integer wavelength [nm] of the range, linear between the rows.
 Xyz weighted_observer(int nm) {
     const std::size_t i = std::min(std::size_t((nm - k_first) / k_step), k_rows - 2);
     const double t = double(nm - k_first) / k_step - double(i);
-    const auto weighted = [](std::size_t k) {
-        return Xyz{k_d65[k] * k_observer[0][k], k_d65[k] * k_observer[1][k], k_d65[k] * k_observer[2][k]};
-    };
-    const Xyz a = weighted(i), b = weighted(i + 1);
+    const auto weighted = [](const double(&row)[4]) { return Xyz{row[3] * row[0], row[3] * row[1], row[3] * row[2]}; };
+    const Xyz a = weighted(k_observer[i]), b = weighted(k_observer[i + 1]);
     return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), a.z + t * (b.z - a.z)};
 }
 
@@ -78,41 +39,10 @@ template <typename Factor> Xyz tristimulus(Factor factor) {
     return {sum.x / total_y, sum.y / total_y, sum.z / total_y};
 }
 
-using Matrix = std::array<std::array<double, 3>, 3>;
-
-Matrix inverse(const Matrix& m) {
-    Matrix adjugate{};
-    for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j) {
-            const std::size_t a = (j + 1) % 3, b = (j + 2) % 3, c = (i + 1) % 3, d = (i + 2) % 3;
-            adjugate[i][j] = m[a][c] * m[b][d] - m[a][d] * m[b][c];
-        }
-    const double determinant = m[0][0] * adjugate[0][0] + m[0][1] * adjugate[1][0] + m[0][2] * adjugate[2][0];
-    for (auto& row : adjugate)
-        for (double& element : row) element /= determinant;
-    return adjugate;
-}
-
-std::array<double, 3> operator*(const Matrix& m, const std::array<double, 3>& v) {
-    std::array<double, 3> product{};
-    for (std::size_t i = 0; i < 3; ++i) product[i] = m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2];
-    return product;
-}
-
-/// The matrix from XYZ to linear sRGB. The columns of its inverse are the primaries, scaled so that they sum to white.
-Matrix xyz_to_rgb() {
-    constexpr double chromaticity[3][2] = {{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}};
-    Matrix primaries{};
-    for (std::size_t c = 0; c < 3; ++c) {
-        const auto [x, y] = chromaticity[c];
-        primaries[0][c] = x / y, primaries[1][c] = 1, primaries[2][c] = (1 - x - y) / y;
-    }
-    const Xyz white = white_point();
-    const auto amount = inverse(primaries) * std::array<double, 3>{white.x, white.y, white.z};
-    for (auto& row : primaries)
-        for (std::size_t c = 0; c < 3; ++c) row[c] *= amount[c];
-    return inverse(primaries);
-}
+/// The inverse of the matrix of the primaries, scaled so that they sum to white (see `to_rgb`).
+constexpr double k_rgb_of_xyz[3][3] = {{3.2407148205543104, -1.5372621584680703, -0.49857151085450924},
+                                       {-0.96925666432303126, 1.8759927172355, 0.041555615967499598},
+                                       {0.055635572153487439, -0.20399709789612042, 1.0570758709162607}};
 
 /// R_r, R_g, R_b of `reflectance_spectrum` at k_primary_wavelengths.
 constexpr float k_primaries[3][18] = {
@@ -127,9 +57,10 @@ Xyz white_point() {
 }
 
 Rgb to_rgb(const Xyz& colour) {
-    static const Matrix matrix = xyz_to_rgb();
-    const auto rgb = matrix * std::array<double, 3>{colour.x, colour.y, colour.z};
-    return {float(rgb[0]), float(rgb[1]), float(rgb[2])};
+    const auto channel = [&](const double(&row)[3]) {
+        return float(row[0] * colour.x + row[1] * colour.y + row[2] * colour.z);
+    };
+    return {channel(k_rgb_of_xyz[0]), channel(k_rgb_of_xyz[1]), channel(k_rgb_of_xyz[2])};
 }
 
 std::vector<Rgb> rgb_weights(std::span<const float> wavelengths) {

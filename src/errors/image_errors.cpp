@@ -7,32 +7,29 @@
 #include <limits>
 #include <numeric>
 
-#include "brdf/colour.h"
 #include "srbf/elementary.h"
 
 namespace SRBF_NAMESPACE {
 namespace {
 
-struct Plane {
-    int width, height;
-    std::vector<double> x;
-    Plane(int w, int h) : width(w), height(h), x(std::size_t(w) * std::size_t(h)) {}
-};
 Plane combine(const Plane& a, const Plane& b, const auto& operation) {
     Plane result(a.width, a.height);
-    for (std::size_t i = 0; i < result.x.size(); ++i) result.x[i] = operation(a.x[i], b.x[i]);
+    for (std::size_t i = 0; i < result.pixels.size(); ++i) result.pixels[i] = operation(a.pixels[i], b.pixels[i]);
     return result;
 }
-
-/// Weights at −r..r.
-using Filter = std::vector<double>;
 
 Filter sample_filter(int radius, const std::function<double(double)>& weight) {
     Filter filter;
     for (int i = -radius; i <= radius; ++i) filter.push_back(weight(i));
     return filter;
 }
+void add_scaled(double* sum, const double* x, double factor, int count) {
+    for (int i = 0; i < count; ++i) sum[i] += factor * x[i];
+}
 double sum(const std::vector<double>& numbers) { return std::accumulate(numbers.begin(), numbers.end(), 0.0); }
+
+}  // namespace
+
 Filter gaussian_filter(int radius, double sigma) {
     Filter filter = sample_filter(radius, [&](double x) { return elementary::exp(-x * x / (2 * sigma * sigma)); });
     const double whole = sum(filter);
@@ -40,14 +37,9 @@ Filter gaussian_filter(int radius, double sigma) {
     return filter;
 }
 
-void add_scaled(double* sum, const double* x, double factor, int count) {
-    for (int i = 0; i < count; ++i) sum[i] += factor * x[i];
-}
-
-/// Correlates rows with `horizontal` and columns with `vertical`; border pixels are repeated beyond the border.
 Plane correlate(const Plane& plane, const Filter& horizontal, const Filter& vertical) {
     const int width = plane.width, height = plane.height;
-    const auto row = [width](auto& image, int y) { return image.x.data() + std::size_t(y) * std::size_t(width); };
+    const auto row = [width](auto& image, int y) { return image.pixels.data() + std::size_t(y) * std::size_t(width); };
     Plane filtered_rows(width, height), result(width, height);
     const auto radius = horizontal.size() / 2;
     for (int y = 0; y < height; ++y) {
@@ -66,9 +58,11 @@ Plane correlate(const Plane& plane, const Filter& horizontal, const Filter& vert
     return result;
 }
 
+namespace {
+
 using Triplet = std::array<double, 3>;
 
-// The constants up to `flip_errors` are those of the reference implementation of ꟻLIP (see `flip_map`).
+// The constants up to `flip_map` are those of the reference implementation of ꟻLIP (see `flip_map`).
 
 /// Linear sRGB as CIE XYZ, each divided by that of white.
 Triplet to_relative_xyz(const Triplet& rgb) {
@@ -83,9 +77,6 @@ Triplet to_linear_rgb(const Triplet& relative) {
     const double x = 0.950456 * relative[0], y = relative[1], z = 1.089058 * relative[2];
     return {3.240970 * x - 1.537383 * y - 0.498611 * z, -0.969244 * x + 1.875968 * y + 0.041555 * z,
             0.055630 * x - 0.203977 * y + 1.056972 * z};
-}
-Triplet linear_rgb(const Rgb8& shown) {
-    return {srgb_decoded(shown[0] / 255.0), srgb_decoded(shown[1] / 255.0), srgb_decoded(shown[2] / 255.0)};
 }
 
 /// CIELAB with chroma scaled by L/100 (Hunt effect).
@@ -106,17 +97,16 @@ double scale_distance(double distance) {
     return distance < knee ? 0.95 * distance / knee : 0.95 + 0.05 * (distance - knee) / (largest - knee);
 }
 
-Triplet linear_rgb(const Rgb& colour) { return {double(colour.r), double(colour.g), double(colour.b)}; }
-
 /// Y, Cx, Cz.
-template <typename Pixel> std::array<Plane, 3> opponent_colours(const Picture<Pixel>& image) {
+std::array<Plane, 3> opponent_colours(const Image& image) {
     const Plane blank(image.width, image.height);
     std::array<Plane, 3> planes{blank, blank, blank};
     for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-        const Triplet t = to_relative_xyz(linear_rgb(image.pixels[i]));
-        planes[0].x[i] = 116 * t[1] - 16;
-        planes[1].x[i] = 500 * (t[0] - t[1]);
-        planes[2].x[i] = 200 * (t[1] - t[2]);
+        const Rgb& colour = image.pixels[i];
+        const Triplet t = to_relative_xyz({double(colour.r), double(colour.g), double(colour.b)});
+        planes[0].pixels[i] = 116 * t[1] - 16;
+        planes[1].pixels[i] = 500 * (t[0] - t[1]);
+        planes[2].pixels[i] = 200 * (t[1] - t[2]);
     }
     return planes;
 }
@@ -142,13 +132,13 @@ std::vector<Triplet> perceived_colours(const std::array<Plane, 3>& planes, doubl
                             [&](double s, double x) { return s + weight * x; });
             total_weight += weight * sum(filter) * sum(filter);
         }
-        for (double& x : total.x) x /= total_weight;
+        for (double& x : total.pixels) x /= total_weight;
         resolved.push_back(std::move(total));
     }
     std::vector<Triplet> colours;
-    for (std::size_t i = 0; i < planes[0].x.size(); ++i) {
-        const double y = (resolved[0].x[i] + 16) / 116;
-        Triplet rgb = to_linear_rgb({y + resolved[1].x[i] / 500, y, y - resolved[2].x[i] / 200});
+    for (std::size_t i = 0; i < planes[0].pixels.size(); ++i) {
+        const double y = (resolved[0].pixels[i] + 16) / 116;
+        Triplet rgb = to_linear_rgb({y + resolved[1].pixels[i] / 500, y, y - resolved[2].pixels[i] / 200});
         for (double& v : rgb) v = std::clamp(v, 0.0, 1.0);
         colours.push_back(hunt_lab(rgb));
     }
@@ -173,24 +163,15 @@ struct Features {
     Plane edges, points;
 };
 Features detect_features(Plane y, double pixels_per_degree) {
-    for (double& v : y.x) v = (v + 16) / 116;
+    for (double& v : y.pixels) v = (v + 16) / 116;
     const double sigma = 0.5 * 0.082 * pixels_per_degree;
     return {feature_map(y, sigma, [](double x) { return -x; }),
             feature_map(y, sigma, [&](double x) { return x * x / (sigma * sigma) - 1; })};
 }
 
-Plane luma(const Image8& image) {
-    Plane plane(image.width, image.height);
-    for (std::size_t i = 0; i < plane.x.size(); ++i) {
-        const Rgb8& p = image.pixels[i];
-        plane.x[i] = (0.299 * p[0] + 0.587 * p[1] + 0.114 * p[2]) / 255;
-    }
-    return plane;
-}
+}  // namespace
 
-template <typename Pixel>
-std::vector<double> flip_errors(const Picture<Pixel>& reference, const Picture<Pixel>& other,
-                                double pixels_per_degree) {
+std::vector<double> flip_map(const Image& reference, const Image& other, double pixels_per_degree) {
     assert(reference.width == other.width && reference.height == other.height);
     const auto a = opponent_colours(reference), b = opponent_colours(other);
     const auto colours_a = perceived_colours(a, pixels_per_degree), colours_b = perceived_colours(b, pixels_per_degree);
@@ -198,74 +179,12 @@ std::vector<double> flip_errors(const Picture<Pixel>& reference, const Picture<P
     std::vector<double> map;
     for (std::size_t i = 0; i < colours_a.size(); ++i) {
         const double colour = scale_distance(colour_distance(colours_a[i], colours_b[i]));
-        const double difference =
-            std::max(std::abs(fa.edges.x[i] - fb.edges.x[i]), std::abs(fa.points.x[i] - fb.points.x[i]));
+        const double difference = std::max(std::abs(fa.edges.pixels[i] - fb.edges.pixels[i]),
+                                           std::abs(fa.points.pixels[i] - fb.points.pixels[i]));
         const double feature = std::sqrt(std::min(difference / std::sqrt(2.0), 1.0));
         map.push_back(elementary::pow(colour, 1 - feature));
     }
     return map;
-}
-
-}  // namespace
-
-std::vector<double> ssim_map(const Image8& reference, const Image8& other) {
-    assert(reference.width == other.width && reference.height == other.height);
-    const Plane a = luma(reference), b = luma(other);
-    const Filter window = gaussian_filter(5, 1.5);
-    const auto times = [](double x, double y) { return x * y; };
-    const auto mean_of = [&](const Plane& plane) { return correlate(plane, window, window); };
-    const Plane ma = mean_of(a), mb = mean_of(b), aa = mean_of(combine(a, a, times)),
-                bb = mean_of(combine(b, b, times)), ab = mean_of(combine(a, b, times));
-    constexpr double c1 = 0.01 * 0.01, c2 = 0.03 * 0.03;
-    std::vector<double> map;
-    for (std::size_t i = 0; i < a.x.size(); ++i) {
-        const double ua = ma.x[i], ub = mb.x[i], va = aa.x[i] - ua * ua, vb = bb.x[i] - ub * ub,
-                     cov = ab.x[i] - ua * ub;
-        map.push_back((2 * ua * ub + c1) * (2 * cov + c2) / ((ua * ua + ub * ub + c1) * (va + vb + c2)));
-    }
-    return map;
-}
-
-std::vector<double> flip_map(const Image8& reference, const Image8& other, double pixels_per_degree) {
-    return flip_errors(reference, other, pixels_per_degree);
-}
-std::vector<double> flip_map(const Image& reference, const Image& other, double pixels_per_degree) {
-    return flip_errors(reference, other, pixels_per_degree);
-}
-
-Likeness likeness(const Image8& reference, const Image8& other) {
-    assert(reference.pixels.size() == other.pixels.size() && !reference.pixels.empty());
-    double squares = 0;
-    for (std::size_t i = 0; i < reference.pixels.size(); ++i)
-        for (std::size_t c = 0; c < 3; ++c) {
-            const double error = (reference.pixels[i][c] - other.pixels[i][c]) / 255.0;
-            squares += error * error;
-        }
-    const auto count = double(reference.pixels.size());
-    squares /= 3 * count;
-    return {squares > 0 ? -10 * elementary::log10(squares) : std::numeric_limits<double>::infinity(),
-            sum(ssim_map(reference, other)) / count, sum(flip_map(reference, other)) / count};
-}
-
-Image8 in_false_colours(const std::vector<double>& map, int width, int height) {
-    assert(map.size() == std::size_t(width) * std::size_t(height));
-    // Colours of matplotlib's "magma" at uniform steps of lightness.
-    constexpr std::array<std::array<double, 3>, 6> stops{{{0.0, 0.0, 0.016},
-                                                          {0.232, 0.060, 0.438},
-                                                          {0.550, 0.161, 0.506},
-                                                          {0.869, 0.288, 0.409},
-                                                          {0.995, 0.624, 0.428},
-                                                          {0.987, 0.991, 0.750}}};
-    Image8 image(width, height);
-    for (std::size_t i = 0; i < map.size(); ++i) {
-        const double position = 5 * std::clamp(map[i], 0.0, 1.0);
-        const auto below = std::min(std::size_t(position), std::size_t(4));
-        for (std::size_t c = 0; c < 3; ++c) {
-            const double x = std::lerp(stops[below][c], stops[below + 1][c], position - double(below));
-            image.pixels[i][c] = std::uint8_t(255 * x + 0.5);
-        }
-    }
-    return image;
 }
 
 }  // namespace srbf

@@ -63,12 +63,10 @@ HWY_INLINE DoubleBatch load(const PairColumn& column, std::size_t i) {
 }
 
 // A sum in eight lanes: lane k sums the numbers k, k + 8, k + 16, ..., whatever the width of a vector.
-struct LanesOfSum {
-    HWY_ALIGN double lanes[8];
-    HWY_INLINE double sum() const {
-        return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
-    }
-};
+constexpr std::size_t k_lanes = 8;
+HWY_INLINE double sum_of(const double* lanes) {
+    return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
+}
 // The two sums of a measure, in the lanes of one vector.
 struct SquareBatch {
     DoubleBatch error, reference;
@@ -80,24 +78,15 @@ struct SquareBatch {
         reference = hn::Add(reference, hn::Mul(weight, squared_reference));
     }
 };
-// The two sums of a measure, in all eight lanes.
-struct LanesOfSquares {
-    LanesOfSum error, reference;
-    HWY_INLINE void store(const SquareBatch& sums, std::size_t lane) {
-        hn::Store(sums.error, Doubles(), error.lanes + lane);
-        hn::Store(sums.reference, Doubles(), reference.lanes + lane);
-    }
-};
-
 ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const TransformedValues& f,
                      const TransformedValues& other) {
     constexpr Doubles d;
     const DoubleBatch one = hn::Set(d, 1.0);
     const double most_apart = -elementary::log(k_least_share);
-    std::array<LanesOfSquares, k_measures.size()> lanes;
-    for (std::size_t lane = 0; lane < std::size(LanesOfSum().lanes); lane += hn::MaxLanes(d)) {
+    HWY_ALIGN double error_lanes[k_measures.size()][k_lanes], reference_lanes[k_measures.size()][k_lanes];
+    for (std::size_t lane = 0; lane < k_lanes; lane += hn::MaxLanes(d)) {
         SquareBatch sums[k_measures.size()];
-        for (std::size_t i = lane; i < k_pair_block; i += std::size(LanesOfSum().lanes)) {
+        for (std::size_t i = lane; i < k_pair_block; i += k_lanes) {
             const DoubleBatch w = load(weight, i), cos_l = load(cosines.light, i);
             const auto counts = hn::Gt(w, hn::Zero(d));
             const DoubleBatch area = hn::Mul(w, load(cosines.viewer, i));
@@ -121,10 +110,14 @@ ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const
             const auto is_above_0 = hn::And(counts, hn::Gt(load(f.f, i), hn::Zero(d)));
             sums[5].add(hn::IfThenElseZero(is_above_0, w), hn::IfThenElseZero(is_above_0, hn::Mul(error, error)), one);
         }
-        for (std::size_t m = 0; m < lanes.size(); ++m) lanes[m].store(sums[m], lane);
+        for (std::size_t m = 0; m < k_measures.size(); ++m) {
+            hn::Store(sums[m].error, d, &error_lanes[m][lane]);
+            hn::Store(sums[m].reference, d, &reference_lanes[m][lane]);
+        }
     }
     ErrorSums all;
-    for (std::size_t m = 0; m < lanes.size(); ++m) all.measures[m] = {lanes[m].error.sum(), lanes[m].reference.sum()};
+    for (std::size_t m = 0; m < k_measures.size(); ++m)
+        all.measures[m] = {sum_of(error_lanes[m]), sum_of(reference_lanes[m])};
     return all;
 }
 

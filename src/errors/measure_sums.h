@@ -32,14 +32,16 @@ struct SquareSums {
 };
 /// Where log f and log f̂ are compared, f̂ counts as at least this share of f.
 inline constexpr double k_least_share = 1e-6;
-/// The sums of all measures, in the order of `k_measures`.
+/// The sums of all measures, in the order of `k_measures`, and the numbers of pairs.
 struct ErrorSums {
-    std::array<SquareSums, k_measures.size()> measures;
+    std::array<SquareSums, k_measures.size()> measures = {};
+    std::uint64_t pairs = 0, masked = 0;
     ErrorSums& operator+=(const ErrorSums& other) {
         for (std::size_t m = 0; m < measures.size(); ++m) {
             measures[m].error += other.measures[m].error;
             measures[m].reference += other.measures[m].reference;
         }
+        pairs += other.pairs, masked += other.masked;
         return *this;
     }
 };

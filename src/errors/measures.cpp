@@ -22,32 +22,23 @@ struct WeightedPairs {
     std::size_t size() const { return wl.size(); }
 };
 
-/// The error sums of one BRDF against the reference.
-struct Sums {
-    ErrorSums errors;
-    std::uint64_t pairs = 0, masked = 0;
-
-    Sums& operator+=(const Sums& s) {
-        errors += s.errors, pairs += s.pairs, masked += s.masked;
-        return *this;
+/// The measures by the sums of one BRDF against the reference.
+Measures measures_of(const ErrorSums& sums) {
+    Measures all;
+    for (std::size_t m = 0; m < k_measures.size(); ++m) {
+        const auto [error, reference] = sums.measures[m];
+        const double ratio = reference > 0 ? error / reference
+                             : error == 0  ? 0
+                                           : std::numeric_limits<double>::infinity();
+        all.*k_measures[m].member = k_measures[m].is_ratio ? ratio : std::sqrt(ratio) / k_measures[m].unit;
     }
-    Measures measures() const {
-        Measures all;
-        for (std::size_t m = 0; m < k_measures.size(); ++m) {
-            const auto [error, reference] = errors.measures[m];
-            const double ratio = reference > 0 ? error / reference
-                                 : error == 0  ? 0
-                                               : std::numeric_limits<double>::infinity();
-            all.*k_measures[m].member = k_measures[m].is_ratio ? ratio : std::sqrt(ratio) / k_measures[m].unit;
-        }
-        all.pairs = pairs, all.masked = masked;
-        return all;
-    }
-};
+    all.pairs = sums.pairs, all.masked = sums.masked;
+    return all;
+}
 
 /// Adds the errors of each of `others` against f to its sums. The channels of a pair are contiguous.
 void add_errors(const WeightedPairs& pairs, std::span<const float> f, std::span<const std::vector<float>> others,
-                std::span<Sums> sums) {
+                std::span<ErrorSums> sums) {
     if (pairs.size() == 0) return;
     const std::size_t C = f.size() / pairs.size();
     PairCosines cosines{};
@@ -78,7 +69,7 @@ void add_errors(const WeightedPairs& pairs, std::span<const float> f, std::span<
             transform_channel(f, transformed);
             for (std::size_t k = 0; k < others.size(); ++k) {
                 transform_channel(others[k], transformed_other);
-                sums[k].errors += error_sums(cosines, weight[k], transformed, transformed_other);
+                sums[k] += error_sums(cosines, weight[k], transformed, transformed_other);
             }
         }
     }
@@ -88,7 +79,7 @@ void add_errors(const WeightedPairs& pairs, std::span<const float> f, std::span<
 template <typename Fill>
 std::vector<Measures> measure(const Channels& reference, std::span<const Channels> others, std::size_t blocks,
                               std::size_t block_size, const MeasureOptions& options, const Fill& fill) {
-    std::vector<std::vector<Sums>> parts(blocks, std::vector<Sums>(others.size()));
+    std::vector<std::vector<ErrorSums>> parts(blocks, std::vector<ErrorSums>(others.size()));
     Reporter reporter(options.progress, double(blocks));
     parallel_for(blocks, options.threads, [&](std::size_t block) {
         if (!reporter.advance("measuring the error", 1)) return;
@@ -106,9 +97,9 @@ std::vector<Measures> measure(const Channels& reference, std::span<const Channel
     });
     std::vector<Measures> measures;
     for (std::size_t k = 0; k < others.size(); ++k) {
-        Sums sums;
+        ErrorSums sums;
         for (const auto& part : parts) sums += part[k];
-        measures.push_back(sums.measures());
+        measures.push_back(measures_of(sums));
     }
     return measures;
 }
@@ -201,26 +192,9 @@ Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, s
     }
     for (std::size_t i = 0; i < f.size(); ++i) clamped[i] = std::max(f[i], 0.f);
     const std::vector<float> others[] = {{g.begin(), g.end()}};
-    Sums sums[1];
+    ErrorSums sums[1];
     add_errors(pairs, clamped, others, sums);
-    return sums[0].measures();
-}
-
-Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
-                         std::span<const Rgb> g, double max_theta) {
-    const auto flat = [](std::span<const Rgb> colours) {
-        std::vector<float> numbers;
-        for (const Rgb& c : colours) numbers.insert(numbers.end(), {c.r, c.g, c.b});
-        return numbers;
-    };
-    return measure_samples(wl, wv, flat(f), flat(g), max_theta);
-}
-
-Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
-                         const Evaluate& other, double max_theta) {
-    std::vector<Rgb> g(f.size());
-    other(wl, wv, g);
-    return measure_samples(wl, wv, f, g, max_theta);
+    return measures_of(sums[0]);
 }
 
 Rgb albedo(const Evaluate& brdf, double theta_v, double max_theta) {

@@ -54,10 +54,6 @@ std::vector<Measures> measure_heldout(const Channels& reference, std::span<const
 /// weight 1; negative channels of f count as 0. Only samples within `sample_cap` count.
 Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const float> f,
                          std::span<const float> g, double max_theta);
-Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
-                         std::span<const Rgb> g, double max_theta);
-Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
-                         const Evaluate& other, double max_theta);
 /// cos(θmax + 0.01°), with a tolerance for rounded angles in files.
 inline float sample_cap(double max_theta) { return float(elementary::cos(max_theta + 0.01 * k_degree)); }
 

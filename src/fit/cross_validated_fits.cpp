@@ -82,14 +82,31 @@ double shown_error(const ScatteredSamples& samples, const Model& model, double m
     return sum / double(lit.pixels.size());
 }
 
+/// The value f̂ at every sample, by the model that was fitted without its fold: [sample C + c].
+std::vector<float> heldout_values(const ScatteredSamples& samples, std::span<const int> fold,
+                                  std::span<const Result<FitOutcome>> fits, Model FitOutcome::*model) {
+    std::vector<float> predicted;
+    for (std::size_t left_out = 0; left_out < fits.size(); ++left_out) {
+        // Colours come from `value`, which is the same on any machine.
+        const Model& fitted = (*fits[left_out]).*model;
+        const Channels f_of = wavelengths(fitted).empty() ? rgb_channels(evaluator<Model>(fitted)) : channels(fitted);
+        const std::size_t C = f_of.count();
+        std::vector<float> f(C * samples.wl.size());
+        f_of.evaluate(samples.wl, samples.wv, f);
+        predicted.resize(f.size());
+        for (std::size_t i = 0; i < fold.size(); ++i)
+            if (fold[i] == int(left_out)) std::copy_n(&f[i * C], C, &predicted[i * C]);
+    }
+    return predicted;
+}
+
 /// The errors of a model at the samples, and of what the fits to other folds predict there.
 Comparison compared(const ScatteredSamples& samples, const FitRequest& request, const Model& model,
                     std::span<const float> predicted) {
+    const std::span<const float> measured =
+        request.spectral ? std::span(samples.spectrum) : std::span(&samples.colour[0].r, 3 * samples.colour.size());
     const auto measured_against = [&](std::span<const float> f) {
-        if (request.spectral) return measure_samples(samples.wl, samples.wv, samples.spectrum, f, request.theta());
-        std::vector<float> colours;
-        for (const Rgb& c : samples.colour) colours.insert(colours.end(), {c.r, c.g, c.b});
-        return measure_samples(samples.wl, samples.wv, colours, f, request.theta());
+        return measure_samples(samples.wl, samples.wv, measured, f, request.theta());
     };
     std::vector<float> f(predicted.size());
     channels(model).evaluate(samples.wl, samples.wv, f);
@@ -134,59 +151,29 @@ Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, std::span<con
     };
     // Together with the folds, whose number is odd.
     Result<FitOutcome> outcome = FitOutcome{};
-    Result<std::vector<FitOutcome>> folds = std::vector<FitOutcome>{};
+    std::vector<Result<FitOutcome>> folds(k_folds, FitOutcome{});
     parallel_for(2, request.threads, [&](std::size_t which) {
         if (which == 0)
             outcome = fit_observed_samples(samples, observed, request, options, next_part());
         else
-            folds = heldout(fit_fold, samples, fold);
+            parallel_for(k_folds, [&](std::size_t k) { folds[k] = fit_fold(without_fold(samples, fold, int(k))); });
     });
     if (!outcome) return outcome;
-    if (!folds) return folds.error();
+    for (const Result<FitOutcome>& of_fold : folds)
+        if (!of_fold) return of_fold;
     const auto compare = [&](Model FitOutcome::*model) {
-        return compared(samples, request, (*outcome).*model, heldout_values(samples, fold, *folds, model));
+        return compared(samples, request, (*outcome).*model, heldout_values(samples, fold, folds, model));
     };
     outcome->errors = compare(&FitOutcome::model), outcome->unrounded_errors = compare(&FitOutcome::unrounded);
     outcome->samples = outcome->errors->matrix.pairs;
     outcome->raw_bytes = samples.wl.size() * channels(outcome->model).count() * sizeof(float);
-    for (FitOutcome& of_fold : *folds) outcome->without_fold.push_back(std::move(of_fold.model));
+    for (Result<FitOutcome>& of_fold : folds) outcome->without_fold.push_back(std::move(of_fold->model));
     return outcome;
 }
 
 Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const SampleObservations& observed,
                                     const FitRequest& request, const ProgressToken& progress) {
     return fit_observed_samples(samples, &observed, request, sample_options(samples, request), progress);
-}
-
-Result<std::vector<FitOutcome>> heldout(const FitToSamples& fit, const ScatteredSamples& samples,
-                                        std::span<const int> fold) {
-    std::vector<Result<FitOutcome>> fits(k_folds, FitOutcome{});
-    const StandardArithmetic mode;
-    parallel_for(k_folds,
-                 [&](std::size_t left_out) { fits[left_out] = fit(without_fold(samples, fold, int(left_out))); });
-    std::vector<FitOutcome> all;
-    for (Result<FitOutcome>& one : fits) {
-        if (!one) return one.error();
-        all.push_back(*std::move(one));
-    }
-    return all;
-}
-
-std::vector<float> heldout_values(const ScatteredSamples& samples, std::span<const int> fold,
-                                  std::span<const FitOutcome> fits, Model FitOutcome::*model) {
-    std::vector<float> predicted;
-    for (std::size_t left_out = 0; left_out < fits.size(); ++left_out) {
-        // Colours come from `value`, which is the same on any machine.
-        const Model& fitted = fits[left_out].*model;
-        const Channels f_of = wavelengths(fitted).empty() ? rgb_channels(evaluator<Model>(fitted)) : channels(fitted);
-        const std::size_t C = f_of.count();
-        std::vector<float> f(C * samples.wl.size());
-        f_of.evaluate(samples.wl, samples.wv, f);
-        predicted.resize(f.size());
-        for (std::size_t i = 0; i < fold.size(); ++i)
-            if (fold[i] == int(left_out)) std::copy_n(&f[i * C], C, &predicted[i * C]);
-    }
-    return predicted;
 }
 
 }  // namespace srbf

@@ -1,6 +1,5 @@
 // Fits to scattered samples, with cross-validated errors.
 #pragma once
-#include <functional>
 #include <span>
 
 #include "samples/observe_samples.h"
@@ -21,14 +20,5 @@ Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, std::span<con
 /// A fit of a multivariate model without cross-validation.
 Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const SampleObservations& observed,
                                     const FitRequest& request, const ProgressToken& progress);
-
-/// The fits to the samples of all folds but one, for each fold. `fit` is called from several threads at once.
-using FitToSamples = std::function<Result<FitOutcome>(const ScatteredSamples& training)>;
-Result<std::vector<FitOutcome>> heldout(const FitToSamples& fit, const ScatteredSamples& samples,
-                                        std::span<const int> fold);
-/// The value f̂ at every sample, by the model that was fitted without its fold: [sample C + c], with the models'
-/// `channels`.
-std::vector<float> heldout_values(const ScatteredSamples& samples, std::span<const int> fold,
-                                  std::span<const FitOutcome> fits, Model FitOutcome::*model = &FitOutcome::model);
 
 }  // namespace srbf

@@ -114,7 +114,7 @@ struct Fitter::State {
     const ScatteredSamples* samples() const {
         return measured_ ? std::get_if<ScatteredSamples>(&measured_->table) : nullptr;
     }
-    Result<Done> validate(const FitRequest& request) const {
+    Result<Done> validate(const FitRequest& request, bool is_draft) const {
         if (measured_ && std::holds_alternative<BsdfTable>(measured_->table))
             return argument_error("fit", "measurement", "a BRDF", "reflection and transmission, for fit_bsdf");
         const auto refused = [](const char* expected, const char* found) {
@@ -124,6 +124,8 @@ struct Fitter::State {
             return refused("a measurement at wavelengths", "one of colours");
         if (request.spectral && !std::holds_alternative<PmRequest>(request.model))
             return refused("a multivariate model", "another");
+        if (is_draft && !std::holds_alternative<PmRequest>(request.model))
+            return argument_error("fit", "draft", "one of a multivariate model", "another");
         const auto target = target_of(request);
         if (target && samples())
             return argument_error("fit", "target delta E", "a measured table", "scattered samples");
@@ -271,27 +273,33 @@ struct Fitter::State {
         return looks_isotropic(request);
     }
 
-    Result<FitOutcome> fit_to(const ScatteredSamples& samples, const FitRequest& request,
-                              const ProgressToken& progress) {
-        const auto fold = assign_folds(samples, request.theta(), request.seed);
+    Result<FitOutcome> fit_samples(const FitRequest& request, bool is_draft, const ProgressToken& progress) {
+        Result<std::vector<int>> fold = std::vector<int>{};
+        if (!is_draft) fold = assign_folds(*samples(), request.theta(), request.seed);
         if (!fold) return fold.error();
         if (std::holds_alternative<SuRequest>(request.model))
-            return fit_to_samples(samples, *fold, nullptr, request, progress);
-        const auto observations = observed_samples(request, progress.part(0, k_samples_observed));
+            return fit_to_samples(*samples(), *fold, nullptr, request, progress);
+        const double share = is_draft ? k_drafts_observed : k_samples_observed;
+        const auto observations = observed_samples(request, progress.part(0, share));
         if (!observations) return observations.error();
-        return fit_to_samples(samples, *fold, *observations, request, progress.part(k_samples_observed, 1));
+        const ProgressToken fitting = progress.part(share, 1);
+        return is_draft ? draft_of_samples(*samples(), **observations, request, fitting)
+                        : fit_to_samples(*samples(), *fold, *observations, request, fitting);
     }
 
-    Result<FitOutcome> fit_table(const FitRequest& request, const ProgressToken& progress) {
+    Result<FitOutcome> fit_table(const FitRequest& request, bool is_draft, const ProgressToken& progress) {
         const auto quiet = smooth(request, progress);
         if (!quiet) return quiet.error();
-        if (const auto* su = std::get_if<SuRequest>(&request.model)) return fit_kind(*su, {}, request, *quiet);
-        const auto found = observed(request, quiet->part(0, k_observed));
+        if (std::holds_alternative<SuRequest>(request.model))
+            return fit_view_by_view(smoothed_ ? smoothed_ : signed_, request, *quiet);  // by a matrix of its own
+        const double share = is_draft ? k_drafts_observed : k_observed;
+        const auto found = observed(request, quiet->part(0, share));
         if (!found) return found.error();
         const Observations& observations = **found;
-        const ProgressToken fitting = quiet->part(k_observed, 1);
-        auto outcome =
-            std::visit([&](const auto& of) { return fit_kind(of, observations, request, fitting); }, request.model);
+        const ProgressToken fitting = quiet->part(share, 1);
+        auto outcome = std::holds_alternative<PmRequest>(request.model)
+                           ? fit_lobes(observations, request, is_draft, fitting)
+                           : fit_by_kind(request, observations, looks_isotropic(request), fitting);
         if (!outcome) return outcome;
         outcome->masked = observations.masked;
         outcome->largest_albedo = std::max(1.0, most_measured_albedo(observations));
@@ -300,21 +308,16 @@ struct Fitter::State {
         return outcome;
     }
 
-    template <typename R>
-    Result<FitOutcome> fit_kind(const R&, const Observations& observations, const FitRequest& request,
-                                const ProgressToken& progress) {
-        return fit_by_kind(request, observations, looks_isotropic(request), progress);
-    }
-    Result<FitOutcome> fit_kind(const SuRequest&, const Observations&, const FitRequest& request,
-                                const ProgressToken& progress) {
-        return fit_view_by_view(smoothed_ ? smoothed_ : signed_, request, progress);  // by a matrix of its own
-    }
-    Result<FitOutcome> fit_kind(const PmRequest& pm, const Observations& observations, const FitRequest& request,
-                                const ProgressToken& progress) {
-        const PmFitOptions options = pm_options(request, axial(request), k_default_form);
-        if (pm.size && std::holds_alternative<AutomaticLobes>(*pm.size))
+    Result<FitOutcome> fit_lobes(const Observations& observations, const FitRequest& request, bool is_draft,
+                                 const ProgressToken& progress) {
+        const PmRequest& pm = std::get<PmRequest>(request.model);
+        PmFitOptions options = pm_options(request, axial(request), k_default_form);
+        if (is_draft)
+            options.starts = k_draft_starts, options.perturbations = 0;
+        else if (pm.size && std::holds_alternative<AutomaticLobes>(*pm.size))
             return fit_first_size(observations, options, request, progress);
-        auto fitted = fit_pm(observations, options, progress);
+        auto fitted = is_draft ? fit_pm(first_pairs(observations, k_draft_pairs), options, progress)
+                               : fit_pm(observations, options, progress);
         if (!fitted) return fitted.error();
         return outcome_of(*std::move(fitted));
     }
@@ -345,25 +348,11 @@ struct Fitter::State {
         return outcome;
     }
 
-    Result<FitOutcome> draft_to(const ScatteredSamples& samples, const FitRequest& request,
-                                const ProgressToken& progress) {
-        const auto observations = observed_samples(request, progress.part(0, k_drafts_observed));
-        if (!observations) return observations.error();
-        return draft_of_samples(samples, **observations, request, progress.part(k_drafts_observed, 1));
-    }
-    Result<FitOutcome> draft_table(const FitRequest& request, const ProgressToken& progress) {
-        const auto quiet = smooth(request, progress);
-        if (!quiet) return quiet.error();
-        const auto observations = observed(request, quiet->part(0, k_drafts_observed));
-        if (!observations) return observations.error();
-        PmFitOptions options = pm_options(request, axial(request), k_default_form);
-        options.starts = k_draft_starts, options.perturbations = 0;
-        auto fitted = fit_pm(first_pairs(**observations, k_draft_pairs), options, quiet->part(k_drafts_observed, 1));
-        if (!fitted) return fitted.error();
-        FitOutcome outcome = outcome_of(*std::move(fitted));
-        outcome.masked = (*observations)->masked, outcome.clamped = (*observations)->clamped;
-        outcome.raw_bytes = raw_bytes(k_matrix_directions, channels_of(request).count());
-        return outcome;
+    Result<FitOutcome> fit(const FitRequest& request, bool is_draft, const ProgressToken& progress) {
+        const auto start = std::chrono::steady_clock::now();
+        if (const auto valid = validate(request, is_draft); !valid) return valid.error();
+        auto outcome = samples() ? fit_samples(request, is_draft, progress) : fit_table(request, is_draft, progress);
+        return finished(std::move(outcome), request, start, progress);
     }
 
     const Measured* measured_;  // null: a function
@@ -382,21 +371,11 @@ Fitter& Fitter::operator=(Fitter&&) noexcept = default;
 Fitter::~Fitter() = default;
 
 Result<FitOutcome> Fitter::fit(const FitRequest& request, const ProgressToken& progress) {
-    const auto start = std::chrono::steady_clock::now();
-    if (const auto valid = state_->validate(request); !valid) return valid.error();
-    const ScatteredSamples* samples = state_->samples();
-    auto outcome = samples ? state_->fit_to(*samples, request, progress) : state_->fit_table(request, progress);
-    return state_->finished(std::move(outcome), request, start, progress);
+    return state_->fit(request, false, progress);
 }
 
 Result<FitOutcome> Fitter::draft(const FitRequest& request, const ProgressToken& progress) {
-    const auto start = std::chrono::steady_clock::now();
-    if (const auto valid = state_->validate(request); !valid) return valid.error();
-    if (!std::holds_alternative<PmRequest>(request.model))
-        return argument_error("fit", "draft", "one of a multivariate model", "another");
-    const ScatteredSamples* samples = state_->samples();
-    auto outcome = samples ? state_->draft_to(*samples, request, progress) : state_->draft_table(request, progress);
-    return state_->finished(std::move(outcome), request, start, progress);
+    return state_->fit(request, true, progress);
 }
 
 Result<Done> Fitter::measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {

@@ -27,18 +27,6 @@ template <typename T> void store(std::vector<std::byte>& bytes, const T& number)
     bytes.insert(bytes.end(), raw.begin(), raw.end());
 }
 
-/// True if `bytes` begin a file of the format. A MERL file has three dimensions that match its size, or those of the
-/// database, so that a truncated table is recognised. A UTIA file is recognised by its size, others by their first
-/// words.
-bool is_merl(std::span<const std::byte> bytes);
-bool is_rgl(std::span<const std::byte> bytes);
-bool is_utia(std::span<const std::byte> bytes);
-bool is_mbsdf(std::span<const std::byte> bytes);
-
-/// The size of a MERL file by the dimensions at its head; 0 if they are invalid.
-std::uint64_t merl_bytes(std::span<const std::byte> head);
-std::uint64_t utia_bytes();
-
 /// The first line, and the lines at the head of a block. Reflection has two alternatives.
 inline constexpr std::string_view k_mbsdf_magic = "NVIDIA ARC MBSDF V1", k_mbsdf_reflection = "MBSDF_DATA_REFLECTION=",
                                   k_mbsdf_data = "MBSDF_DATA=", k_mbsdf_transmission = "MBSDF_DATA_TRANSMISSION=";

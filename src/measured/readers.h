@@ -19,14 +19,9 @@ Result<RglTable> read_rgl(std::span<const std::byte> bytes, const std::string& f
 Result<EvaluatedTable> read_utia(std::span<const std::byte> bytes, const std::string& file_name);
 /// Reads the bytes of an MBSDF file, version 1: lines key="value", then a block of reflection: type (grey or RGB), n_θ,
 /// n_φ, and n_θ n_θ n_φ samples. A block of transmission may follow, which is checked and left out. A sample that is not
-/// finite is masked.
+/// finite is masked. As a format it reads both, as reflection and transmission of light from the front, whose frame is
+/// that of the parts.
 Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::string& file_name);
-/// Reads both blocks of an MBSDF file, as reflection and transmission of light from the front, whose frame is that of
-/// the parts; the block of reflection alone, if there is no other.
-Result<Measured> read_any_mbsdf(std::span<const std::byte> bytes, const std::string& file_name, const ReadOptions&);
-/// Reads CSV (see `read_csv`), also of two-sided samples, for each part its own.
-Result<Measured> read_any_csv(std::span<const std::byte> bytes, const std::string& file_name,
-                              const ReadOptions& options);
 
 /// Joins files of samples of one material, such as one for each incidence. The first note has what their headers state
 /// alike and differently. `change_by_azimuth` decides whether the result is isotropic. Errors: fewer than two; one is not

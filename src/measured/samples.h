@@ -199,11 +199,6 @@ bool is_text(std::span<const std::byte> bytes);
 /// Text in UTF-16 with a byte-order mark, or with lines ended by CR alone, as UTF-8 with lines ended by LF. No value for
 /// any other bytes.
 std::optional<std::string> plain_text(std::span<const std::byte> bytes);
-/// Recognise formats by their first lines.
-bool is_cornell(std::string_view text);
-bool is_astm(std::string_view text);
-bool is_alta(std::string_view text);
-bool is_csv(std::string_view text);
 
 /// θ_l, φ_l, θ_v, φ_v [rad], wavelength [nm], f [1/sr], weight. f is NaN where nothing was measured.
 using SpectralRow = std::array<float, 7>;

@@ -1,4 +1,5 @@
 #include <cassert>
+#include <numeric>
 
 #include "base/floating_point.h"
 #include "base/k_d_tree.h"
@@ -71,7 +72,10 @@ class Nearest {
 /// An index of samples by their coordinates. It keeps no reference to the samples; copies of a measurement share it.
 class SampleIndex {
   public:
-    virtual ~SampleIndex() = default;
+    SampleIndex(Points points, std::vector<std::uint32_t> sample)
+        : points_(std::move(points)),
+          sample_(std::move(sample)),
+          tree_(5, points_, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {}
 
     struct Neighbours {
         std::uint32_t count;
@@ -79,21 +83,7 @@ class SampleIndex {
         std::array<float, k_neighbours + 1> distance2;
     };
     /// The nearest samples, in order of distance.
-    virtual Neighbours nearest(const Point& point) const = 0;
-};
-
-namespace {
-
-/// A k-d tree over the first `dimensions` coordinates: isotropic samples have three.
-template <std::size_t dimensions> class TreeOfSamples : public SampleIndex {
-  public:
-    TreeOfSamples(const Points& points, std::vector<std::uint32_t> sample)
-        : sample_(std::move(sample)), tree_(dimensions, points_, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {
-        for (const Point& point : points.coordinates)
-            std::copy_n(point.begin(), dimensions, points_.coordinates.emplace_back().begin());
-        tree_.buildIndex();
-    }
-    Neighbours nearest(const Point& point) const override {
+    Neighbours nearest(const Point& point) const {
         Neighbours found;
         Nearest result(std::min<std::size_t>(k_neighbours + 1, points_.coordinates.size()));
         tree_.findNeighbors(result, point.data(), {});
@@ -104,24 +94,27 @@ template <std::size_t dimensions> class TreeOfSamples : public SampleIndex {
     }
 
   private:
-    PointCloud<float, dimensions> points_;
+    Points points_;
     std::vector<std::uint32_t> sample_;  ///< the index of each point's sample, in ascending order
-    KdTree<float, dimensions> tree_;
+    KdTree<float, 5> tree_;
 };
 
-/// Removes coincident points beyond the number that a search returns. Returns the indices of the others.
+namespace {
+
+/// Removes coincident points beyond the number that a search returns, since searches among very many are as slow as in a
+/// list. Returns the indices of the others.
 std::vector<std::uint32_t> keep_few_coincident(Points& points) {
-    const std::vector<std::uint32_t> first = first_coincident_points(points);
-    std::vector<std::uint8_t> count(first.size());  // the number of points that coincide with each first point
-    std::vector<std::uint32_t> kept;
-    kept.reserve(first.size());
-    for (std::size_t i = 0; i < first.size(); ++i) {
-        if (count[first[i]] > k_neighbours) continue;
-        ++count[first[i]];
-        points.coordinates[kept.size()] = points.coordinates[i];
-        kept.push_back(std::uint32_t(i));
+    auto& coordinates = points.coordinates;
+    std::vector<std::uint32_t> order(coordinates.size()), kept;
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::sort(order, {}, [&](std::uint32_t i) { return std::pair(coordinates[i], i); });
+    for (std::size_t k = 0, before = 0; k < order.size(); ++k) {
+        before = k > 0 && coordinates[order[k]] == coordinates[order[k - 1]] ? before + 1 : 0;
+        if (before <= k_neighbours) kept.push_back(order[k]);
     }
-    points.coordinates.resize(kept.size());
+    std::ranges::sort(kept);
+    for (std::size_t i = 0; i < kept.size(); ++i) coordinates[i] = coordinates[kept[i]];
+    coordinates.resize(kept.size());
     return kept;
 }
 
@@ -134,10 +127,7 @@ void make_index(ScatteredSamples& samples) {
     for (std::size_t i = 0; i < samples.wl.size(); ++i)
         points.coordinates.push_back(coordinates_of(samples.wl[i], samples.wv[i], samples.isotropic));
     std::vector<std::uint32_t> kept = keep_few_coincident(points);
-    if (samples.isotropic)
-        samples.index = std::make_shared<const TreeOfSamples<3>>(points, std::move(kept));
-    else
-        samples.index = std::make_shared<const TreeOfSamples<5>>(points, std::move(kept));
+    samples.index = std::make_shared<const SampleIndex>(std::move(points), std::move(kept));
 }
 
 namespace {

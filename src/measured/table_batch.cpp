@@ -1,5 +1,4 @@
-// Evaluates isotropic RGL measurements and MERL tables in SIMD batches, by the steps of rgl.cpp and warp.h, and of
-// merl.cpp.
+// Evaluates isotropic RGL measurements, by the steps of rgl.cpp and warp.h, and MERL tables in SIMD batches.
 #include "measured/tables.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -21,6 +20,8 @@ HWY_INLINE Batch abs(Batch a) { return hn::Abs(a.v); }
 HWY_INLINE Batch copysign(Batch magnitude, Batch sign) { return hn::CopySign(magnitude.v, sign.v); }
 HWY_INLINE Batch mix(Batch a, Batch b, Batch t) { return a + t * (b - a); }
 HWY_INLINE Indices index(Batch whole) { return hn::ConvertTo(hn::RebindToSigned<Lanes>(), whole.v); }
+HWY_INLINE Indices added(Indices i, Indices j) { return hn::Add(i, j); }
+HWY_INLINE BatchMask is_number(Batch a) { return hn::Eq(a.v, a.v); }
 HWY_INLINE Batch floor(Batch a) { return hn::Floor(a.v); }
 // numbers[i]. AVX2's own instruction is left out: QEMU 7.2 ignores the indices that the fifth register holds.
 HWY_INLINE Batch gather(const float* numbers, Indices i) {
@@ -117,56 +118,8 @@ HWY_INLINE Vec3<Batch> rgl_value(const RglTable& table, Vec3<Batch> wl, Vec3<Bat
     return {finite(channel(0)), finite(channel(1)), finite(channel(2))};
 }
 
-/// Gives the same bits as `signed_value` of merl.cpp, for tables whose indices fit in 32 bits.
-HWY_INLINE Vec3<Batch> merl_value(const MerlTable& table, Vec3<Batch> wl, Vec3<Batch> wv) {
-    const Batch none(0.0), one(1.0);
-    const std::size_t n_h = table.size[0], n_d = table.size[1], n_p = table.size[2];
-    // The coordinates, in units of nodes.
-    const Vec3<Batch> h = wl + wv, d = wl - wv;
-    const Batch planar2 = h.x * h.x + h.y * h.y, length = sqrt(planar2 + h.z * h.z);
-    const Batch theta_h = polar_angle(planar2, h.z), theta_d = polar_angle(dot(d, d), length);
-    const Batch y_d = length * (h.x * d.y - h.y * d.x);
-    const Batch x_d = h.z * (h.x * d.x + h.y * d.y) - planar2 * d.z;
-    const BatchMask is_negative = hn::Or(y_d < none, hn::And(hn::Eq(y_d.v, none.v), x_d < none));
-    const Batch phi_d = azimuth(abs(y_d), select(is_negative, -x_d, x_d)), right_angle(k_pi / 2);
-    const Batch position_h = min(Batch(double(n_h)) * sqrt(theta_h / right_angle), Batch(double(n_h - 1)));
-    const Batch position_d = min(Batch(double(n_d)) * (theta_d / right_angle), Batch(double(n_d - 1)));
-    const Batch position_p = min(Batch(double(n_p)) * (phi_d / Batch(k_pi)), Batch(double(n_p)));
-
-    // The nodes around them.
-    const Batch first_h = floor(position_h), first_d = floor(position_d);
-    const Batch first_p = min(floor(position_p), Batch(double(n_p - 1)));
-    const Batch t_h = position_h - first_h, t_d = position_d - first_d, t_p = position_p - first_p;
-    const Batch next_h = min(first_h + one, Batch(double(n_h - 1))),
-                next_d = min(first_d + one, Batch(double(n_d - 1)));
-    const Batch next_p = select(first_p < Batch(double(n_p - 1)), first_p + one, none);
-
-    Vec3<Batch> sum(none, none, none);
-    Batch weight = none;
-    const float* const cells = &table.cells[0].r;
-    const auto add = [&](Indices cell, Batch w) HWY_ATTR {
-        const Indices i = scale(cell, 3);
-        const Batch r = gather(cells, i);
-        const BatchMask valid = hn::Eq(r.v, r.v);
-        weight = weight + select(valid, w, none);
-        sum.x = sum.x + select(valid, w * r, none);
-        sum.y = sum.y + select(valid, w * gather(cells + 1, i), none);
-        sum.z = sum.z + select(valid, w * gather(cells + 2, i), none);
-    };
-    const auto add_line = [&](Batch i, Batch j, Batch w) HWY_ATTR {
-        const Indices line = scale(hn::Add(index(j), scale(index(i), n_d)), n_p);
-        add(hn::Add(line, index(first_p)), w * (one - t_p));
-        add(hn::Add(line, index(next_p)), w * t_p);
-    };
-    add_line(first_h, first_d, (one - t_h) * (one - t_d));
-    add_line(first_h, next_d, (one - t_h) * t_d);
-    add_line(next_h, first_d, t_h * (one - t_d));
-    add_line(next_h, next_d, t_h * t_d);
-    const Batch most(3.4028234663852886e38), nan(k_nan);
-    const BatchMask is_measured = none < weight;
-    const auto mean = [&](Batch x) HWY_ATTR { return select(is_measured, min(x / weight, most), nan); };
-    return {mean(sum.x), mean(sum.y), mean(sum.z)};
-}
+// For tables whose indices fit in 32 bits.
+#include "measured/merl.inl"
 
 void evaluate_rgl(const RglTable& table, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
     evaluate_pairs(wl, wv, f, count, [&](Vec3<Batch> l, Vec3<Batch> v) HWY_ATTR { return rgl_value(table, l, v); });

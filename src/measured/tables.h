@@ -12,8 +12,6 @@ SRBF_BEGIN
 /// f_r by trilinear interpolation over the measured ones of the eight surrounding nodes, not negative; NaN if none was
 /// measured.
 Rgb signed_value(const MerlTable& table, Vec3f wl, Vec3f wv);
-/// f_r at the nearest node.
-Rgb nearest(const MerlTable& table, Vec3f wl, Vec3f wv);
 /// f_r. Never NaN.
 Rgb signed_value(const RglTable& table, Vec3f wl, Vec3f wv);
 /// f_r by linear interpolation; NaN where one of the samples is masked.

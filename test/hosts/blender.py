@@ -156,7 +156,7 @@ with tempfile.TemporaryDirectory() as folder:
         lit = drawn_by_cycles(script, f"{folder}/lit.exr", LAMP)[inside]
         apart = delta_e(lit, formula(script)[inside])
         expect(apart <= FORMULA_WITHIN, f"{name}: Cycles against the formula {apart:.2f}")
-        run("fit", measured, "--model", "openpbr", "--surface", "principled", "-o", principled + ".srbf")
+        run("fit", measured, "--model", "principled", "-o", principled + ".srbf")
         run("export", principled + ".srbf", "--to", "principled", "-o", principled + ".py")
         of_lights = []
         for light, environment in lights.items():

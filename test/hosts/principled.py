@@ -28,7 +28,7 @@ inside, rows, failures = on_sphere(), [], []
 with tempfile.TemporaryDirectory() as folder:
     for name in MATERIALS:
         measured, model = data / f"rgl/{name}.bsdf", f"{folder}/{name}.srbf"
-        run("fit", measured, "--model", "openpbr", "--surface", "principled", "-o", model)
+        run("fit", measured, "--model", "principled", "-o", model)
         run("export", model, "--to", "principled", "-o", f"{folder}/{name}.py")
         pictures = [drawn(subject, f"{folder}/{name}-{i}.exr") for i, subject in enumerate((measured, model))]
         pictures.append(drawn_by_cycles(f"{folder}/{name}.py", f"{folder}/{name}-cycles.exr"))

@@ -104,7 +104,7 @@ with tempfile.TemporaryDirectory() as folder:
         print("three.js", page.run("new Promise((done) => { const wait = () => window.draw ? done(revision) : setTimeout(wait, 50); wait(); })"))
         for name in MATERIALS:
             measured, model, glb = data / f"rgl/{name}.bsdf", f"{folder}/{name}.srbf", f"{folder}/{name}.glb"
-            run("fit", measured, "--model", "openpbr", "--surface", "gltf", "-o", model)
+            run("fit", measured, "--model", "gltf", "-o", model)
             run("export", model, "--to", "glb", "-o", glb)
             row = []
             for words, lights, texels in ((THREE, LIGHTS, None), (("--env", environment), [], hdr_of(environment))):

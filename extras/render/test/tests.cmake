@@ -1,5 +1,5 @@
 test_program(extras -O1)
-tests(extras unit scene render)
+tests(extras unit scene render likeness)
 
 test_program(extras_files -O0 SANITIZED)
 tests(extras_files "unit;input" mesh environment)

@@ -1,4 +1,5 @@
 #include "base/floating_point.h"
+#include "measured/formats/rows.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
 #include "srbf/elementary.h"
@@ -11,6 +12,9 @@ namespace {
 struct ViewAndLight {
     Vec3d view, light;
 };
+ViewAndLight pair(Vec3d view, Vec3d light) { return {view, light}; }
+
+Vec3d vector(const double* x) { return {x[0], x[1], x[2]}; }
 
 /// The direction (θ, φ) from the plane vector (θ cosφ, θ sinφ).
 Vec3d from_plane(double x, double y) { return spherical(elementary::hypot(x, y), elementary::atan2(y, x)); }
@@ -47,26 +51,15 @@ struct AltaParameterization {
 /// The parameterizations of ALTA's params.h. Where its conversion to vectors loses a hemisphere or is not the inverse
 /// of its conversion from vectors (RETRO, STEREOGRAPHIC), this is the inverse of the latter.
 constexpr AltaParameterization k_parameterizations[] = {
-    {"CARTESIAN", "......", false,
-     [](const double* x) {
-         return ViewAndLight{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
-     }},
+    {"CARTESIAN", "......", false, [](const double* x) { return pair(vector(x), vector(x + 3)); }},
     {"SPHERICAL_TL_PL_TV_PV", "tptp", false,
-     [](const double* x) {
-         return ViewAndLight{spherical(x[2], x[3]), spherical(x[0], x[1])};
-     }},
+     [](const double* x) { return pair(spherical(x[2], x[3]), spherical(x[0], x[1])); }},
     {"ISOTROPIC_TV_TL_DPHI", "ttp", true,
-     [](const double* x) {
-         return ViewAndLight{spherical(x[0], 0.0), spherical(x[1], x[2])};
-     }},
+     [](const double* x) { return pair(spherical(x[0], 0.0), spherical(x[1], x[2])); }},
     {"ISOTROPIC_TL_TV_PROJ_DPHI", "ttt", true,
-     [](const double* x) {
-         return ViewAndLight{from_plane(x[1], x[2]), spherical(x[0], 0.0)};
-     }},
+     [](const double* x) { return pair(from_plane(x[1], x[2]), spherical(x[0], 0.0)); }},
     {"ISOTROPIC_TV_PROJ_DPHI", "tt", true,
-     [](const double* x) {
-         return ViewAndLight{from_plane(x[0], x[1]), {0, 0, 1}};
-     }},
+     [](const double* x) { return pair(from_plane(x[0], x[1]), spherical(0.0, 0.0)); }},
     {"RUSIN_TH_PH_TD_PD", "tptp", false, [](const double* x) { return from_half_vector(x[0], x[1], x[2], x[3]); }},
     {"RUSIN_TH_TD_PD", "ttp", true, [](const double* x) { return from_half_vector(x[0], 0, x[1], x[2]); }},
     {"RUSIN_TH_TD", "tt", true, [](const double* x) { return from_half_vector(x[0], 0, x[1], k_pi / 2); }},
@@ -75,13 +68,13 @@ constexpr AltaParameterization k_parameterizations[] = {
     {"SCHLICK_TL_TK_PROJ_DPHI", "ttt", true,
      [](const double* x) {
          const Vec3d light = spherical(x[0], 0.0), k = from_plane(x[1], x[2]), reflected = mirror(light);
-         return ViewAndLight{2 * dot(k, reflected) * k - reflected, light};
+         return pair(2 * dot(k, reflected) * k - reflected, light);
      }},
     {"RETRO_TL_TVL_PROJ_DPHI", "ttt", true,
      [](const double* x) {
          const Vec3d light = spherical(x[0], 0.0), x_axis{-light.z, 0, light.x}, y_axis{0, 1, 0};
          const Vec3d v = from_plane(x[1], x[2]);
-         return ViewAndLight{v.x * x_axis + v.y * y_axis + v.z * light, light};
+         return pair(v.x * x_axis + v.y * y_axis + v.z * light, light);
      }},
     {"STARK_3D", "..p", true,
      [](const double* x) {
@@ -89,26 +82,22 @@ constexpr AltaParameterization k_parameterizations[] = {
          // b is orthogonal to h, at azimuth φ in the plane.
          const Vec3d b = x[1] * normalize(Vec3d{h.z * elementary::cos(x[2]), h.z * elementary::sin(x[2]),
                                                 -h.x * elementary::cos(x[2])});
-         return ViewAndLight{h - b, h + b};
+         return pair(h - b, h + b);
      }},
     {"STARK_2D", "..", true,
      [](const double* x) {
          const Vec3d h{x[0], 0, std::sqrt(1 - x[0] * x[0] - x[1] * x[1])}, b{0, x[1], 0};
-         return ViewAndLight{h - b, h + b};
+         return pair(h - b, h + b);
      }},
     {"NEUMANN_3D", "..p", true,
      [](const double* x) {
          const double dx = x[1] * elementary::cos(x[2]), dy = x[1] * elementary::sin(x[2]);
-         return ViewAndLight{from_projection(x[0] + dx, dy), from_projection(x[0] - dx, -dy)};
+         return pair(from_projection(x[0] + dx, dy), from_projection(x[0] - dx, -dy));
      }},
     {"NEUMANN_2D", "..", true,
-     [](const double* x) {
-         return ViewAndLight{from_projection(x[0], x[1]), from_projection(x[0], -x[1])};
-     }},
+     [](const double* x) { return pair(from_projection(x[0], x[1]), from_projection(x[0], -x[1])); }},
     {"STEREOGRAPHIC", "....", false,
-     [](const double* x) {
-         return ViewAndLight{from_stereographic(x[0], x[1]), from_stereographic(x[2], x[3])};
-     }},
+     [](const double* x) { return pair(from_stereographic(x[0], x[1]), from_stereographic(x[2], x[3])); }},
 };
 
 /// The header: the first lines, which begin with '#'.
@@ -153,8 +142,6 @@ std::optional<Error> read_header_line(std::string_view line, Header& header, con
     return {};
 }
 
-}  // namespace
-
 bool is_alta(std::string_view text) {
     for (Lines lines(text); auto line = lines.next();) {
         if (!line->starts_with('#')) return false;
@@ -163,6 +150,8 @@ bool is_alta(std::string_view text) {
     }
     return false;
 }
+
+}  // namespace
 
 Result<ScatteredSamples> read_alta(std::span<const std::byte> bytes, const std::string& file_name) {
     Lines lines(as_text(bytes));
@@ -220,5 +209,7 @@ Result<ScatteredSamples> read_alta(std::span<const std::byte> bytes, const std::
     if (samples && header.output == "INV_STERADIAN_COSINE_FACTOR") to_bsdf(*samples, Quantity::cosine);
     return samples;
 }
+
+const Format k_alta_format{.name = "ALTA", .is_text = true, .recognise = in_text<is_alta>, .read = read_by<read_alta>};
 
 }  // namespace srbf

@@ -1,4 +1,5 @@
 #include "base/floating_point.h"
+#include "measured/formats/rows.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
 
@@ -93,8 +94,6 @@ Result<AstmHeader> read_astm_header(Lines& lines, const std::string& file_name) 
     }
 }
 
-}  // namespace
-
 bool is_astm(std::string_view text) {
     for (Lines lines(text); auto line = lines.next();) {
         const std::string_view key = next_word(*line);
@@ -104,6 +103,8 @@ bool is_astm(std::string_view text) {
     }
     return false;
 }
+
+}  // namespace
 
 Result<ScatteredSamples> read_astm(std::span<const std::byte> bytes, const std::string& file_name) {
     Lines lines(as_text(bytes));
@@ -136,5 +137,8 @@ Result<ScatteredSamples> read_astm(std::span<const std::byte> bytes, const std::
     if (samples && is_trinitron) std::ranges::transform(samples->colour, samples->colour.begin(), from_trinitron);
     return samples;
 }
+
+const Format k_astm_format{
+    .name = "ASTM E1392", .is_text = true, .recognise = in_text<is_astm>, .read = read_by<read_astm>};
 
 }  // namespace srbf

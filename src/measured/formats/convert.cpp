@@ -1,5 +1,7 @@
 #include "srbf/convert.h"
 
+#include <fmt/ranges.h>
+
 #include "base/parallel.h"
 #include "base/printable.h"
 #include "brdf/colour.h"
@@ -84,81 +86,67 @@ double projected_area(const RglTable::Profile& ndf, double theta) {
     return sum;
 }
 
+/// The normal of a facet at a position in the unit square of the warp.
+Vec3d normal_at(double x, double y) { return spherical(theta_of(x), (2 * y - 1) * k_pi); }
+
 /// The mirror direction of w about the microfacet normal m.
 Vec3d reflect(Vec3d w, Vec3d m) { return 2 * dot(w, m) * m - w; }
 
+/// Calls visit(other) for a node of a grid and its neighbours.
+template <typename Visit>
+void for_neighbours(std::size_t node, std::size_t width, std::size_t height, const Visit& visit) {
+    const std::size_t x = node % width, y = node / width;
+    for (std::size_t j = y - (y > 0); j < std::min(y + 2, height); ++j)
+        for (std::size_t i = x - (x > 0); i < std::min(x + 2, width); ++i) visit(j * width + i);
+}
+
 /// Sets unknown nodes to the mean of their known neighbours, layer by layer. A row has `width` nodes.
 void fill_unknown(std::span<Rgb> nodes, std::vector<char> known, std::size_t width) {
-    const std::size_t height = nodes.size() / width;
-    const auto neighbours = [&](std::size_t node, const auto& visit) {
-        const std::size_t x = node % width, y = node / width;
-        for (std::size_t j = y > 0 ? y - 1 : 0; j <= std::min(y + 1, height - 1); ++j)
-            for (std::size_t i = x > 0 ? x - 1 : 0; i <= std::min(x + 1, width - 1); ++i) visit(j * width + i);
-    };
-    for (bool is_complete = false; !is_complete;) {
-        is_complete = true;
-        bool grew = false;
-        auto next = known;
+    for (bool grew = true; grew;) {
+        grew = false;
+        const std::vector<char> before = known;
         for (std::size_t node = 0; node < nodes.size(); ++node) {
-            if (known[node]) continue;
+            if (before[node]) continue;
             int count = 0;
             Rgb sum;
-            neighbours(node, [&](std::size_t other) {
-                if (!known[other]) return;
-                ++count;
-                for (int c = 0; c < 3; ++c) sum[c] += nodes[other][c];
+            for_neighbours(node, width, nodes.size() / width, [&](std::size_t other) {
+                count += before[other];
+                for (int c = 0; c < 3 && before[other]; ++c) sum[c] += nodes[other][c];
             });
-            is_complete = is_complete && count > 0;
             if (count == 0) continue;
             for (int c = 0; c < 3; ++c) nodes[node][c] = sum[c] / float(count);
-            next[node] = 1;
-            grew = true;
+            known[node] = grew = true;
         }
-        known = std::move(next);
-        if (!grew) return;
     }
 }
 
-class TensorWriter {
-  public:
-    template <typename T> void add(std::string name, std::vector<std::uint64_t> shape, std::span<const T> numbers) {
-        constexpr TensorType type = std::is_same_v<T, float> ? TensorType::f32
-                                    : sizeof(T) == 1         ? TensorType::u8
-                                                             : TensorType::u32;
-        const auto raw = std::as_bytes(numbers);
-        fields_.push_back({std::move(name), type, std::move(shape), {raw.begin(), raw.end()}});
-    }
-    std::vector<std::byte> bytes() const {
-        std::uint64_t offset = k_tensor_magic.size() + 6;
-        for (const Field& field : fields_) offset += 13 + field.name.size() + 8 * field.shape.size();
-        std::vector<std::byte> bytes;
-        const auto append = [&](std::span<const std::byte> raw) { bytes.insert(bytes.end(), raw.begin(), raw.end()); };
-        append(std::as_bytes(std::span(k_tensor_magic)));
-        store(bytes, std::uint8_t(1));
-        store(bytes, std::uint8_t(0));
-        store(bytes, std::uint32_t(fields_.size()));
-        for (const Field& field : fields_) {
-            store(bytes, std::uint16_t(field.name.size()));
-            append(std::as_bytes(std::span(field.name)));
-            store(bytes, std::uint16_t(field.shape.size()));
-            store(bytes, field.type);
-            store(bytes, offset);
-            for (const std::uint64_t extent : field.shape) store(bytes, extent);
-            offset += field.numbers.size();
-        }
-        for (const Field& field : fields_) append(field.numbers);
-        return bytes;
-    }
-
-  private:
-    struct Field {
-        std::string name;
-        TensorType type;
-        std::vector<std::uint64_t> shape;
-        std::vector<std::byte> numbers;
-    };
-    std::vector<Field> fields_;
+struct NewField {
+    std::string_view name;
+    TensorType type;
+    std::vector<std::uint64_t> shape;
+    std::span<const std::byte> numbers;
 };
+std::vector<std::byte> write_tensor_file(std::span<const NewField> fields) {
+    std::uint64_t offset = k_tensor_magic.size() + 6;
+    for (const NewField& field : fields) offset += 13 + field.name.size() + 8 * field.shape.size();
+    std::vector<std::byte> bytes;
+    const auto append = [&](std::span<const std::byte> raw) { bytes.insert(bytes.end(), raw.begin(), raw.end()); };
+    append(as_bytes(k_tensor_magic));
+    store(bytes, std::uint8_t(1));
+    store(bytes, std::uint8_t(0));
+    store(bytes, std::uint32_t(fields.size()));
+    for (const NewField& field : fields) {
+        store(bytes, std::uint16_t(field.name.size()));
+        append(as_bytes(field.name));
+        store(bytes, std::uint16_t(field.shape.size()));
+        store(bytes, field.type);
+        store(bytes, offset);
+        for (const std::uint64_t extent : field.shape) store(bytes, extent);
+        offset += field.numbers.size();
+    }
+    for (const NewField& field : fields) append(field.numbers);
+    return bytes;
+}
 
 /// True for nodes that the warp maps, together with their neighbours, below the horizon, where samples are useless.
 std::vector<char> useless_nodes(const RglTable& table, std::size_t slice) {
@@ -167,15 +155,10 @@ std::vector<char> useless_nodes(const RglTable& table, std::size_t slice) {
     std::vector<char> below(side * rows), useless(side * rows, 1);
     for (std::size_t i = 0; i < below.size(); ++i) {
         const Warped u = warp(table.visible, slice, float(u_of(i % side, side)), float(u_of(i / side, rows)));
-        below[i] = reflect(light, spherical(theta_of(double(u.x)), (2 * double(u.y) - 1) * k_pi)).z <= 0;
+        below[i] = reflect(light, normal_at(double(u.x), double(u.y))).z <= 0;
     }
     for (std::size_t i = 0; i < useless.size(); ++i)
-        for (int j = -1; j <= 1; ++j)
-            for (int k = -1; k <= 1; ++k) {
-                const auto x = std::ptrdiff_t(i % side) + k, y = std::ptrdiff_t(i / side) + j;
-                if (x < 0 || y < 0 || x >= std::ptrdiff_t(side) || y >= std::ptrdiff_t(rows)) continue;
-                useless[i] = useless[i] && below[std::size_t(y) * side + std::size_t(x)];
-            }
+        for_neighbours(i, side, rows, [&](std::size_t other) { useless[i] = useless[i] && below[other]; });
     return useless;
 }
 
@@ -257,10 +240,10 @@ RglTable to_rgl(const Evaluate& brdf, const RglOptions& options) {
         const Vec3d wl = spherical(double(theta_l), 0.0);
         for (std::size_t y = 0; y < k_normals; ++y)
             for (std::size_t x = 0; x < k_normals; ++x) {
-                const double u = u_of(x, k_normals), theta = theta_of(u);
-                const Vec3d m = spherical(theta, (2 * u_of(y, k_normals) - 1) * k_pi);
+                const double u = u_of(x, k_normals);
                 density[y * k_normals + x] =
-                    float(double(at(table.ndf, float(u))) * std::max(0.0, dot(m, wl)) * elementary::sin(theta) * u);
+                    float(double(at(table.ndf, float(u))) * std::max(0.0, dot(normal_at(u, u_of(y, k_normals)), wl)) *
+                          elementary::sin(theta_of(u)) * u);
             }
         integrate(density, visible);
     }
@@ -277,7 +260,7 @@ RglTable to_rgl(const Evaluate& brdf, const RglOptions& options) {
         std::vector<double> scale;
         for (std::size_t i = 0; i < size; ++i) {
             const Warped u = warp(visible, slice, float(u_of(i % side, side)), float(u_of(i / side, side)));
-            const Vec3d m = spherical(theta_of(double(u.x)), (2 * double(u.y) - 1) * k_pi);
+            const Vec3d m = normal_at(double(u.x), double(u.y));
             wv.push_back(to_float(reflect(light, m)));
             scale.push_back(4 * double(at(table.sigma, to_unit(float(theta_l)))) / double(at(table.ndf, u.x)));
         }
@@ -337,27 +320,28 @@ std::vector<std::byte> write_rgl(const RglTable& table, bool with_spectra) {
         return rows;
     };
 
-    TensorWriter file;
-    const auto floats = [&](const char* name, std::vector<std::uint64_t> shape, std::span<const float> numbers) {
-        file.add(name, std::move(shape), numbers);
+    const auto floats = [](std::string_view name, std::vector<std::uint64_t> shape, std::span<const float> numbers) {
+        return NewField{name, TensorType::f32, std::move(shape), std::as_bytes(numbers)};
     };
     const std::array<std::uint32_t, 2> version{1, 0};
-    const std::array<std::uint8_t, 1> jacobian{std::uint8_t(table.jacobian)};
+    const std::array<std::byte, 1> jacobian{std::byte(table.jacobian)};
     const std::array<float, 1> phi{0};
-    file.add("version", {2}, std::span<const std::uint32_t>(version));
-    file.add("description", {table.description.size()},
-             std::span(reinterpret_cast<const std::uint8_t*>(table.description.data()), table.description.size()));
-    floats("phi_i", {1}, phi);
-    floats("theta_i", {T}, table.theta_l);
-    floats("sigma", {2, table.sigma.width}, two_rows(table.sigma));
-    floats("ndf", {2, table.ndf.width}, two_rows(table.ndf));
-    floats("vndf", {1, T, table.visible.height, table.visible.width}, vndf);
-    floats("luminance", {1, T, H, W}, luminances);
-    if (!is_spectral) floats("rgb", {1, T, 3, H, W}, rgb);
-    if (with_spectra) floats("wavelengths", {nm.size()}, nm);
-    if (with_spectra) floats("spectra", {1, T, nm.size(), H, W}, is_spectral ? table.spectra : smooth);
-    file.add("jacobian", {1}, std::span<const std::uint8_t>(jacobian));
-    return file.bytes();
+    const std::vector<float> sigma = two_rows(table.sigma), ndf = two_rows(table.ndf);
+    std::vector<NewField> fields{
+        {"version", TensorType::u32, {2}, std::as_bytes(std::span(version))},
+        {"description", TensorType::u8, {table.description.size()}, as_bytes(table.description)},
+        floats("phi_i", {1}, phi),
+        floats("theta_i", {T}, table.theta_l),
+        floats("sigma", {2, table.sigma.width}, sigma),
+        floats("ndf", {2, table.ndf.width}, ndf),
+        floats("vndf", {1, T, table.visible.height, table.visible.width}, vndf),
+        floats("luminance", {1, T, H, W}, luminances)};
+    if (!is_spectral) fields.push_back(floats("rgb", {1, T, 3, H, W}, rgb));
+    if (with_spectra) fields.push_back(floats("wavelengths", {nm.size()}, nm));
+    if (with_spectra)
+        fields.push_back(floats("spectra", {1, T, nm.size(), H, W}, is_spectral ? table.spectra : smooth));
+    fields.push_back({"jacobian", TensorType::u8, {1}, jacobian});
+    return write_tensor_file(fields);
 }
 
 MbsdfTable to_mbsdf(const Evaluate& brdf, const MbsdfOptions& options) {
@@ -439,18 +423,13 @@ ScatteredSamples to_samples(const Evaluate& brdf, bool isotropic, int n, double 
 
 std::string write_csv(const ScatteredSamples& samples, const ProgressToken& token) {
     std::string csv = samples.isotropic ? "# isotropic\n" : "# anisotropic\n";
-    csv += "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z";
-    if (samples.wavelengths.empty()) csv += ",r,g,b";
-    for (const float nm : samples.wavelengths) csv += fmt::format(",{}nm", nm);
-    csv += '\n';
+    const std::size_t n = samples.wavelengths.size();
+    csv += "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,";
+    csv += n == 0 ? "r,g,b\n" : fmt::format("{}nm\n", fmt::join(samples.wavelengths, "nm,"));
     for (std::size_t i = 0; i < samples.wl.size() && !token.cancelled(); ++i) {
         const Vec3f wl = samples.wl[i], wv = samples.wv[i];
-        csv += fmt::format("{},{},{},{},{},{}", wl.x, wl.y, wl.z, wv.x, wv.y, wv.z);
-        const Rgb& f = samples.colour[i];
-        if (samples.wavelengths.empty()) csv += fmt::format(",{},{},{}", f.r, f.g, f.b);
-        const std::size_t n = samples.wavelengths.size();
-        for (std::size_t k = 0; k < n; ++k) csv += fmt::format(",{}", samples.spectrum[i * n + k]);
-        csv += '\n';
+        const auto f = n == 0 ? std::span(&samples.colour[i].r, 3) : std::span(samples.spectrum).subspan(i * n, n);
+        csv += fmt::format("{},{},{},{},{},{},{}\n", wl.x, wl.y, wl.z, wv.x, wv.y, wv.z, fmt::join(f, ","));
     }
     return csv;
 }

@@ -1,4 +1,5 @@
 #include "base/floating_point.h"
+#include "measured/formats/rows.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
 
@@ -19,8 +20,6 @@ std::string description_of(std::string_view text) {
     return description.substr(0, 1000);
 }
 
-}  // namespace
-
 bool is_cornell(std::string_view text) {
     for (Lines lines(text); auto line = lines.next();) {
         std::string_view rest = trimmed(line->substr(0, line->find('#')));
@@ -29,6 +28,8 @@ bool is_cornell(std::string_view text) {
     }
     return false;
 }
+
+}  // namespace
 
 Result<ScatteredSamples> read_cornell(std::span<const std::byte> bytes, const std::string& file_name) {
     const std::string_view text = as_text(bytes);
@@ -81,5 +82,8 @@ Result<ScatteredSamples> read_cornell(std::span<const std::byte> bytes, const st
                     std::span(row).subspan(4));
     }
 }
+
+const Format k_cornell_format{
+    .name = "Cornell", .is_text = true, .recognise = in_text<is_cornell>, .read = read_by<read_cornell>};
 
 }  // namespace srbf

@@ -399,17 +399,8 @@ Result<ScatteredSamples> finish(SampleBuilder&& builder, CollectedSamples& colle
     return samples;
 }
 
-}  // namespace
-
 bool is_csv(std::string_view text) {
     return !text.starts_with('{') && !text.starts_with('<') && !read_preamble(text, false).header.empty();
-}
-
-Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::string& file_name,
-                                  const ReadOptions& options) {
-    auto collected = collect(bytes, file_name, options.columns, false);
-    if (!collected) return collected.error();
-    return finish(*std::move(collected->part[0]), *collected, bytes.size(), file_name, options.quantity);
 }
 
 Result<Measured> read_any_csv(std::span<const std::byte> bytes, const std::string& file_name,
@@ -430,5 +421,22 @@ Result<Measured> read_any_csv(std::span<const std::byte> bytes, const std::strin
     }
     return Measured{{}, {}, 0, std::move(table)};
 }
+
+}  // namespace
+
+Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::string& file_name,
+                                  const ReadOptions& options) {
+    auto collected = collect(bytes, file_name, options.columns, false);
+    if (!collected) return collected.error();
+    return finish(*std::move(collected->part[0]), *collected, bytes.size(), file_name, options.quantity);
+}
+
+const Format k_csv_format{.name = "CSV",
+                          .is_text = true,
+                          .recognise = in_text<is_csv>,
+                          .read = read_any_csv,
+                          .extension = ".csv",
+                          .anisotropic = true,
+                          .write = write_as_csv};
 
 }  // namespace srbf

@@ -18,47 +18,6 @@ namespace {
 
 using Bytes = std::span<const std::byte>;
 
-std::uint64_t utia_size(Bytes) { return utia_bytes(); }
-
-/// Formats with a magic number, or with dimensions at the head. They are tried before those of extras.
-constexpr Format k_with_heads[] = {
-    {.name = "RGL",
-     .recognise = is_rgl,
-     .read = read_by<read_rgl>,
-     .extension = ".bsdf",
-     .used_by = "RGL",
-     .one_sided = true,
-     .write = write_as_rgl},
-    {.name = "MBSDF",
-     .recognise = is_mbsdf,
-     .read = read_any_mbsdf,
-     .extension = ".mbsdf",
-     .used_by = "MDL",
-     .write = write_as_mbsdf},
-    {.name = "MERL",
-     .recognise = is_merl,
-     .read = read_by<read_merl>,
-     .size = merl_bytes,
-     .extension = ".binary",
-     .used_by = "MERL",
-     .one_sided = true,
-     .write = write_as_merl},
-};
-/// Formats that are recognised by words or by size.
-constexpr Format k_others[] = {
-    {.name = "ALTA", .is_text = true, .recognise = in_text<is_alta>, .read = read_by<read_alta>},
-    {.name = "ASTM E1392", .is_text = true, .recognise = in_text<is_astm>, .read = read_by<read_astm>},
-    {.name = "Cornell", .is_text = true, .recognise = in_text<is_cornell>, .read = read_by<read_cornell>},
-    {.name = "CSV",
-     .is_text = true,
-     .recognise = in_text<is_csv>,
-     .read = read_any_csv,
-     .extension = ".csv",
-     .anisotropic = true,
-     .write = write_as_csv},
-    {.name = "UTIA", .recognise = is_utia, .read = read_by<read_utia>, .size = utia_size},
-};
-
 /// "A, B or C".
 std::string join_words(const std::vector<std::string_view>& words) {
     return fmt::format("{} or {}", fmt::join(words.begin(), words.end() - 1, ", "), words.back());
@@ -135,7 +94,7 @@ Result<Measured> indexed(Result<Measured> measured) {
 }
 
 /// Masks values up to the floor, and converts values to f.
-Result<Done> apply(const ReadOptions& options, ScatteredSamples& samples) {
+Result<Done> apply(const ReadOptions& options, ScatteredSamples& samples, const std::string& file_name) {
     const std::size_t channels = samples.wavelengths.size();
     if (options.floor > 0)
         keep_samples(samples, [&](std::size_t i) {
@@ -144,9 +103,9 @@ Result<Done> apply(const ReadOptions& options, ScatteredSamples& samples) {
             return channels > 0 ? std::ranges::all_of(spectrum, [&](float x) { return x > options.floor; })
                                 : std::min({f.r, f.g, f.b}) > options.floor;
         });
-    if (samples.wl.empty()) return Error{{}, {}, "samples", "at least one above the floor", "none"};
+    if (samples.wl.empty()) return input_error(file_name, "samples", "at least one above the floor", "none");
     to_bsdf(samples, options.quantity);
-    if (samples.wl.empty()) return Error{{}, {}, "samples", "values in the range of f", "none"};
+    if (samples.wl.empty()) return input_error(file_name, "samples", "values in the range of f", "none");
     return Done{};
 }
 
@@ -157,11 +116,7 @@ Result<Measured> read_with_options(std::span<const std::byte> bytes, const std::
     if (!options.any() || !measured) return measured;
     auto* samples = std::get_if<ScatteredSamples>(&measured->table);
     if (!samples) return argument_error(file_name, "input", "samples, for --quantity and --floor", measured->format);
-    if (const auto applied = apply(options, *samples); !applied) {
-        Error error = applied.error();
-        error.source = file_name;
-        return error;
-    }
+    if (const auto applied = apply(options, *samples, file_name); !applied) return applied.error();
     return measured;
 }
 
@@ -169,10 +124,10 @@ Result<Measured> read_with_options(std::span<const std::byte> bytes, const std::
 
 std::span<const Format> formats() {
     static const std::vector<Format> all = [] {
-        std::vector<Format> joined(std::begin(k_with_heads), std::end(k_with_heads));
+        std::vector<Format> joined{k_rgl_format, k_mbsdf_format, k_merl_format};  // by their first bytes
         for (const std::span<const Format> extra : k_extra_formats)
             joined.insert(joined.end(), extra.begin(), extra.end());
-        joined.insert(joined.end(), std::begin(k_others), std::end(k_others));
+        joined.insert(joined.end(), {k_alta_format, k_astm_format, k_cornell_format, k_csv_format, k_utia_format});
         return joined;
     }();
     return all;

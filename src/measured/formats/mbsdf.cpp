@@ -2,6 +2,7 @@
 #include "base/text.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
+#include "measured/formats/rows.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
 #include "measured/tables.h"
@@ -60,15 +61,8 @@ Result<MbsdfTable::Entry> parse_entry(const Cursor& file, std::string_view line,
     return file.error(begin + line.size(), what, "a quotation mark that ends the value", "the end of the line");
 }
 
-/// The description of a block, whose numbers lie in the file from `offset` on.
-struct Block {
-    std::uint32_t channels, polar, azimuths;
-    std::size_t offset;
-    std::size_t samples() const { return std::size_t(polar) * polar * azimuths; }
-};
-
-/// Reads the description that follows a block's head, and skips its numbers.
-Result<Block> parse_block(Cursor& file) {
+/// Reads the description that follows a block's head, and its numbers.
+Result<MbsdfTable> read_block(Cursor& file) {
     const std::size_t begin = file.position, left = file.text.size() - begin;
     constexpr std::size_t size = 3 * sizeof(std::uint32_t);
     if (left < size)
@@ -76,20 +70,35 @@ Result<Block> parse_block(Cursor& file) {
                           fmt::format("the end of the file after {}", left));
     const auto* bytes = reinterpret_cast<const std::byte*>(file.text.data()) + begin;
     const auto type = load<std::uint32_t>(bytes);
-    const Block block{type == 0 ? 1u : 3u, load<std::uint32_t>(bytes + 4), load<std::uint32_t>(bytes + 8),
-                      begin + size};
     if (type > 1) return file.error(begin, "type of an MBSDF block", "0 (grey) or 1 (RGB)", fmt::format("{}", type));
+    MbsdfTable table;
+    table.grey = type == 0;
+    table.polar = load<std::uint32_t>(bytes + 4), table.azimuths = load<std::uint32_t>(bytes + 8);
     const auto in_range = [](std::uint32_t n) { return 1 <= n && n <= k_largest_dimension; };
-    const std::string dimensions = fmt::format("{0} x {0} x {1}", block.polar, block.azimuths);
-    if (!in_range(block.polar) || !in_range(block.azimuths))
+    const std::string dimensions = fmt::format("{0} x {0} x {1}", table.polar, table.azimuths);
+    if (!in_range(table.polar) || !in_range(table.azimuths))
         return file.error(begin + 4, "dimensions of an MBSDF block",
                           fmt::format("each between 1 and {}", k_largest_dimension), dimensions);
-    const std::uint64_t needed = std::uint64_t(block.samples()) * block.channels * sizeof(float);
+    const std::size_t channels = table.grey ? 1 : 3;
+    const std::uint64_t samples = std::uint64_t(table.polar) * table.polar * table.azimuths,
+                        needed = samples * channels * sizeof(float);
     if (needed > left - size)
-        return file.error(block.offset, fmt::format("MBSDF block of {} x {} numbers", dimensions, block.channels),
+        return file.error(begin + size, fmt::format("MBSDF block of {} x {} numbers", dimensions, channels),
                           fmt::format("{} bytes", needed), fmt::format("{} bytes", left - size));
-    file.position = block.offset + needed;
-    return block;
+    file.position += size + std::size_t(needed);
+    table.cells.resize(std::size_t(samples));
+    for (std::size_t i = 0; i < table.cells.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+            table.cells[i][int(c)] = load<float>(bytes + size + (i * channels + c % channels) * sizeof(float));
+    mask_missing({&table.cells[0].r, 3 * table.cells.size()}, 3);
+    for (Rgb& f : table.cells) {
+        if (is_finite(f)) continue;
+        f = {k_nan, k_nan, k_nan};
+        ++table.masked;
+    }
+    if (table.masked == samples)
+        return file.error(begin + size, "MBSDF samples", "at least one that is finite", "none");
+    return table;
 }
 
 /// The nodes on either side of a position in units of nodes. Positions beyond the last node count as that node.
@@ -103,41 +112,15 @@ AngleNodes angle_nodes(float position, std::uint32_t n) {
     return {i, std::min(i + 1, n - 1), clamped - float(i)};
 }
 
-struct Blocks {
-    MbsdfTable reflection;
-    std::optional<MbsdfTable> transmission;
-};
-
-Result<Done> read_samples(const Cursor& file, const Block& block, MbsdfTable& table) {
-    table.polar = block.polar, table.azimuths = block.azimuths;
-    table.grey = block.channels == 1;
-    table.cells.resize(block.samples());
-    const auto* number = reinterpret_cast<const std::byte*>(file.text.data()) + block.offset;
-    for (Rgb& f : table.cells)
-        for (int c = 0; c < 3; ++c) {
-            f[c] = load<float>(number);
-            if (!table.grey || c == 2) number += sizeof(float);
-        }
-    mask_missing({&table.cells[0].r, 3 * table.cells.size()}, 3);
-    for (Rgb& f : table.cells) {
-        if (is_finite(f)) continue;
-        f = {k_nan, k_nan, k_nan};
-        ++table.masked;
-    }
-    if (table.masked == table.cells.size())
-        return file.error(block.offset, "MBSDF samples", "at least one that is finite", "none");
-    return Done{};
-}
-
-Result<Blocks> read_blocks(std::span<const std::byte> bytes, const std::string& file_name) {
+/// Reads the block of reflection, and that of transmission if there is one.
+Result<std::vector<MbsdfTable>> read_blocks(std::span<const std::byte> bytes, const std::string& file_name) {
     const StandardArithmetic mode;
     Cursor file{as_text(bytes), file_name};
     const auto magic = file.next_line();
     if (!magic || *magic != k_mbsdf_magic)
         return file.error(0, "MBSDF file", fmt::format("the line '{}'", k_mbsdf_magic),
                           quoted(magic.value_or(file.text)));
-    Blocks blocks;
-    MbsdfTable& table = blocks.reflection;
+    std::vector<MbsdfTable::Entry> metadata;
     for (;;) {
         const std::size_t begin = file.position;
         const auto line = file.next_line();
@@ -147,53 +130,53 @@ Result<Blocks> read_blocks(std::span<const std::byte> bytes, const std::string& 
         if (*line == k_mbsdf_reflection || *line == k_mbsdf_data) break;
         if (*line == k_mbsdf_transmission)
             return file.error(begin, "MBSDF file", "a block of reflection", "transmission alone");
-        if (table.metadata.size() == k_most_entries)
+        if (metadata.size() == k_most_entries)
             return file.error(begin, "MBSDF header", fmt::format("at most {} lines key=\"value\"", k_most_entries),
                               "more");
         auto entry = parse_entry(file, *line, begin);
         if (!entry) return entry.error();
-        table.metadata.push_back(*std::move(entry));
+        metadata.push_back(*std::move(entry));
     }
-    const auto block = parse_block(file);
-    if (!block) return block.error();
-    if (const std::size_t begin = file.position; !file.is_at_end()) {
-        if (file.next_line() != k_mbsdf_transmission)
-            return file.error(begin, "after the MBSDF block of reflection",
-                              fmt::format("the end of the file, or {}", k_mbsdf_transmission),
-                              fmt::format("{} bytes", file.text.size() - begin));
-        const auto transmission = parse_block(file);
-        if (!transmission) return transmission.error();
-        if (!file.is_at_end())
-            return file.error(file.position, "after the MBSDF block of transmission", "the end of the file",
-                              fmt::format("{} bytes", file.text.size() - file.position));
-        blocks.transmission.emplace();
-        if (const auto read = read_samples(file, *transmission, *blocks.transmission); !read) return read.error();
+    std::vector<MbsdfTable> blocks;
+    for (const char* name : {"reflection", "transmission"}) {
+        auto block = read_block(file);
+        if (!block) return block.error();
+        blocks.push_back(*std::move(block));
+        const std::size_t begin = file.position;
+        if (file.is_at_end()) break;
+        const bool may_follow = blocks.size() == 1;
+        if (may_follow && file.next_line() == k_mbsdf_transmission) continue;
+        return file.error(
+            begin, fmt::format("after the MBSDF block of {}", name),
+            may_follow ? fmt::format("the end of the file, or {}", k_mbsdf_transmission) : "the end of the file",
+            fmt::format("{} bytes", file.text.size() - begin));
     }
-    if (const auto read = read_samples(file, *block, table); !read) return read.error();
+    blocks[0].metadata = std::move(metadata);
     return blocks;
 }
 
-}  // namespace
-
 bool is_mbsdf(std::span<const std::byte> bytes) { return as_text(bytes).starts_with(k_any_version); }
 
-Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::string& file_name) {
-    auto blocks = read_blocks(bytes, file_name);
-    if (!blocks) return blocks.error();
-    return std::move(blocks->reflection);
-}
-
+/// Reads both blocks, as reflection and transmission of light from the front; the reflection alone if there is no other.
 Result<Measured> read_any_mbsdf(std::span<const std::byte> bytes, const std::string& file_name, const ReadOptions&) {
     auto blocks = read_blocks(bytes, file_name);
     if (!blocks) return blocks.error();
-    if (!blocks->transmission) return Measured{{}, {}, 0, std::move(blocks->reflection)};
+    if (blocks->size() == 1) return Measured{{}, {}, 0, std::move((*blocks)[0])};
     BsdfTable table{{{}}, 0, {}};
     const auto part = [&](MbsdfTable&& block) {
         return std::make_shared<const Measured>(Measured{file_name, "MBSDF", 0, std::move(block)});
     };
-    table.bands[0].part[std::size_t(Part::reflection_front)] = part(std::move(blocks->reflection));
-    table.bands[0].part[std::size_t(Part::transmission_front)] = part(*std::move(blocks->transmission));
+    table.bands[0].part[std::size_t(Part::reflection_front)] = part(std::move((*blocks)[0]));
+    table.bands[0].part[std::size_t(Part::transmission_front)] = part(std::move((*blocks)[1]));
     return Measured{{}, {}, 0, std::move(table)};
+}
+
+}  // namespace
+
+Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::string& file_name) {
+    auto blocks = read_blocks(bytes, file_name);
+    if (!blocks) return blocks.error();
+    return std::move((*blocks)[0]);
 }
 
 Rgb signed_value(const MbsdfTable& table, Vec3f wl, Vec3f wv) {
@@ -216,5 +199,12 @@ Rgb signed_value(const MbsdfTable& table, Vec3f wl, Vec3f wv) {
     for (int c = 0; c < 3; ++c) sum[c] = std::clamp(sum[c], -k_most_float, k_most_float);
     return sum;
 }
+
+const Format k_mbsdf_format{.name = "MBSDF",
+                            .recognise = is_mbsdf,
+                            .read = read_any_mbsdf,
+                            .extension = ".mbsdf",
+                            .used_by = "MDL",
+                            .write = write_as_mbsdf};
 
 }  // namespace srbf

@@ -1,8 +1,10 @@
 #include "base/errors.h"
 #include "base/floating_point.h"
+#include "base/text.h"
 #include "brdf/colour.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
+#include "measured/formats/rows.h"
 #include "measured/formats/tensor_file.h"
 #include "measured/formats/warp.h"
 #include "measured/readers.h"
@@ -152,24 +154,18 @@ Result<std::vector<float>> read_wavelengths(const TensorFile& file, const std::s
     return std::move(wavelengths->values);
 }
 
-Result<RglTable::Colours> read_rgb(const TensorFile& file, const std::string& file_name, const Azimuths& azimuths,
-                                   std::uint64_t polar) {
-    auto rgb = read_slices(file, file_name, {"rgb", TensorType::f32, {azimuths.in_file, polar, 3, 0, 0}}, azimuths);
-    if (!rgb) return rgb.error();
-    mask_missing(rgb->values, 1);
-    const std::array<Rgb, 3> unit{Rgb{1, 0, 0}, Rgb{0, 1, 0}, Rgb{0, 0, 1}};
-    return to_colours(*rgb, unit);
-}
-
-Result<RglTable::Colours> read_spectra(const TensorFile& file, const std::string& file_name, const Azimuths& azimuths,
-                                       std::uint64_t polar, RglTable& table) {
-    auto spectra =
-        read_slices(file, file_name,
-                    {"spectra", TensorType::f32, {azimuths.in_file, polar, table.wavelengths.size(), 0, 0}}, azimuths);
-    if (!spectra) return spectra.error();
-    mask_missing(spectra->values, 1);
-    RglTable::Colours colour = to_colours(*spectra, rgb_weights(table.wavelengths));
-    table.spectra = std::move(spectra->values);
+/// The colours; of a table with wavelengths from its spectra, which it keeps.
+Result<RglTable::Colours> read_colours(const TensorFile& file, const std::string& file_name, const Azimuths& azimuths,
+                                       RglTable& table) {
+    const bool is_spectral = !table.wavelengths.empty();
+    const std::vector<Rgb> weights =
+        is_spectral ? rgb_weights(table.wavelengths) : std::vector<Rgb>{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    const std::vector<std::uint64_t> shape{azimuths.in_file, table.theta_l.size(), weights.size(), 0, 0};
+    auto channels = read_slices(file, file_name, {is_spectral ? "spectra" : "rgb", TensorType::f32, shape}, azimuths);
+    if (!channels) return channels.error();
+    mask_missing(channels->values, 1);
+    RglTable::Colours colour = to_colours(*channels, weights);
+    if (is_spectral) table.spectra = std::move(channels->values);
     return colour;
 }
 
@@ -257,12 +253,9 @@ template <typename Visit> double look_up(const RglTable& table, Vec3f wl, Vec3f 
 /// Clamps a value, which may exceed the range of float at the horizon.
 float finite(double x) { return float(std::clamp<double>(x, -k_most_float, k_most_float)); }
 
-}  // namespace
+bool is_rgl(std::span<const std::byte> bytes) { return as_text(bytes).starts_with(k_tensor_magic); }
 
-bool is_rgl(std::span<const std::byte> bytes) {
-    return bytes.size() >= k_tensor_magic.size() &&
-           std::memcmp(bytes.data(), k_tensor_magic.data(), k_tensor_magic.size()) == 0;
-}
+}  // namespace
 
 Result<RglTable> read_rgl(std::span<const std::byte> bytes, const std::string& file_name) {
     const StandardArithmetic mode;
@@ -292,25 +285,22 @@ Result<RglTable> read_rgl(std::span<const std::byte> bytes, const std::string& f
     if (!jacobian) return jacobian.error();
     table.jacobian = jacobian->bytes[0] != std::byte(0);
 
-    auto ndf = read_profile(file, file_name, "ndf", *azimuths, 0);
-    if (!ndf) return ndf.error();
-    table.ndf = *std::move(ndf);
-    auto sigma = read_profile(file, file_name, "sigma", *azimuths, std::numeric_limits<float>::min());
-    if (!sigma) return sigma.error();
-    table.sigma = *std::move(sigma);
-    auto visible = read_visible(file, file_name, *azimuths, table.theta_l.size());
-    if (!visible) return visible.error();
-    table.visible = *std::move(visible);
+    std::optional<Error> error;
+    const auto take = [&](auto read, auto& to) {
+        if (read)
+            to = *std::move(read);
+        else
+            error = read.error();
+        return !error;
+    };
+    constexpr float least_sigma = std::numeric_limits<float>::min();
     const bool is_spectral = !file.contains("rgb") && file.contains("spectra");
-    if (is_spectral) {
-        auto wavelengths = read_wavelengths(file, file_name);
-        if (!wavelengths) return wavelengths.error();
-        table.wavelengths = *std::move(wavelengths);
-    }
-    auto colour = is_spectral ? read_spectra(file, file_name, *azimuths, table.theta_l.size(), table)
-                              : read_rgb(file, file_name, *azimuths, table.theta_l.size());
-    if (!colour) return colour.error();
-    table.colour = *std::move(colour);
+    if (!take(read_profile(file, file_name, "ndf", *azimuths, 0), table.ndf) ||
+        !take(read_profile(file, file_name, "sigma", *azimuths, least_sigma), table.sigma) ||
+        !take(read_visible(file, file_name, *azimuths, table.theta_l.size()), table.visible) ||
+        (is_spectral && !take(read_wavelengths(file, file_name), table.wavelengths)) ||
+        !take(read_colours(file, file_name, *azimuths, table), table.colour))
+        return *error;
     return table;
 }
 
@@ -332,5 +322,13 @@ void signed_spectrum(const RglTable& table, Vec3f wl, Vec3f wv, std::span<float>
     const double scale = factor / double(wv.z);
     for (float& x : f) x = finite(scale * double(x));
 }
+
+const Format k_rgl_format{.name = "RGL",
+                          .recognise = is_rgl,
+                          .read = read_by<read_rgl>,
+                          .extension = ".bsdf",
+                          .used_by = "RGL",
+                          .one_sided = true,
+                          .write = write_as_rgl};
 
 }  // namespace srbf

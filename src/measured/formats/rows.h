@@ -40,6 +40,10 @@ EvaluatedTable evaluated_table(const std::shared_ptr<const Table>& table, TableF
     return evaluated;
 }
 
+/// The formats without extras, each in the file of its reader.
+extern const Format k_rgl_format, k_mbsdf_format, k_merl_format, k_alta_format, k_astm_format, k_cornell_format,
+    k_csv_format, k_utia_format;
+
 Result<std::vector<std::byte>> write_as_merl(const TableSource& source, const TableOptions& options);
 Result<std::vector<std::byte>> write_as_rgl(const TableSource& source, const TableOptions& options);
 Result<std::vector<std::byte>> write_as_mbsdf(const TableSource& source, const TableOptions& options);

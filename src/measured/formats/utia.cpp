@@ -66,10 +66,9 @@ std::vector<TableLine> lines_about(const UtiaTable& table) {
             {"value [1/sr]", {}, table.cells}};
 }
 
-}  // namespace
+bool is_utia(std::span<const std::byte> bytes) { return bytes.size() == k_bytes && !is_safetensors(bytes); }
 
-std::uint64_t utia_bytes() { return k_bytes; }
-bool is_utia(std::span<const std::byte> bytes) { return bytes.size() == utia_bytes() && !is_safetensors(bytes); }
+}  // namespace
 
 Result<EvaluatedTable> read_utia(std::span<const std::byte> bytes, const std::string& file_name) {
     const StandardArithmetic mode;
@@ -90,5 +89,10 @@ Result<EvaluatedTable> read_utia(std::span<const std::byte> bytes, const std::st
     if (table.masked == k_cells) return Error{file_name, 0, "UTIA cells", "at least one that is finite", "none"};
     return evaluated_table(std::make_shared<const UtiaTable>(std::move(table)));
 }
+
+const Format k_utia_format{.name = "UTIA",
+                           .recognise = is_utia,
+                           .read = read_by<read_utia>,
+                           .size = [](std::span<const std::byte>) -> std::uint64_t { return k_bytes; }};
 
 }  // namespace srbf

@@ -77,19 +77,18 @@ template <int N, bool axial, bool reciprocal>
 void evaluate_sized(const PmLanes& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
     using Model = Sized<N, axial, reciprocal>;
     const Model sized{model};
-    const Interleaved interleaved;
     const std::size_t width = Batch::size();
     const TwoBatches zero(0.0);
     for (std::size_t i = 0; i < count; i += 2 * width) {
-        const Vec3<Batch> la = interleaved.load(&wl[i].x), lb = interleaved.load(&wl[i + width].x),
-                          va = interleaved.load(&wv[i].x), vb = interleaved.load(&wv[i + width].x);
+        const Vec3<Batch> la = load_triples(&wl[i].x), lb = load_triples(&wl[i + width].x), va = load_triples(&wv[i].x),
+                          vb = load_triples(&wv[i + width].x);
         const Vec3<TwoBatches> l({la.x, lb.x}, {la.y, lb.y}, {la.z, lb.z}), v({va.x, vb.x}, {va.y, vb.y}, {va.z, vb.z});
         const TwoMasks above{above_horizon(la, va), above_horizon(lb, vb)};
         const Vec3<TwoBatches> value = Formulas<TwoBatches, Model>::pm_value(sized, l, v);
         const TwoBatches r = select(above, value.x, zero), g = select(above, value.y, zero),
                          b = select(above, value.z, zero);
-        interleaved.store({r.a, g.a, b.a}, &f[i].r);
-        interleaved.store({r.b, g.b, b.b}, &f[i + width].r);
+        store_triples({r.a, g.a, b.a}, &f[i].r);
+        store_triples({r.b, g.b, b.b}, &f[i + width].r);
     }
 }
 

@@ -1,5 +1,5 @@
 // Perceptual differences of images.
-#include "errors/image_errors.h"
+#include "extras/render/likeness.h"
 
 #include <algorithm>
 
@@ -62,35 +62,6 @@ TEST(Likeness, PsnrAndSsimOfPlainPictures) {
     Image8 other = plain({51, 51, 51});
     other.at(3, 4)[1] = 102;
     EXPECT_TRUE(near(likeness(plain({51, 51, 51}), other).psnr, -10 * std::log10(0.04 / (3 * 24 * 20)), 1e-9));
-}
-
-TEST(Likeness, FlipOfPlainPictures) {
-    // Green and blue have the largest distance: 1 by definition.
-    for (const double x : flip_map(plain({0, 255, 0}), plain({0, 0, 255}))) EXPECT_TRUE(near(x, 1, 1e-4));
-    // Black and white, a lightness difference of 100: to the power 0.7 25.119; the largest distance is 41.276.
-    const double expected = 0.95 + 0.05 * (std::pow(100, 0.7) - 0.4 * 41.276) / (0.6 * 41.276);
-    for (const double x : flip_map(plain({0, 0, 0}), plain({255, 255, 255}))) EXPECT_TRUE(near(x, expected, 1e-4));
-    // Two greys below the knee: 0.95 / (0.4 cmax) |L - L'|^0.7, L = 116 (Y)^(1/3) - 16.
-    const auto lightness = [](double v) { return 116 * std::cbrt(std::pow((v / 255 + 0.055) / 1.055, 2.4)) - 16; };
-    const double grey = 0.95 * std::pow(lightness(140) - lightness(120), 0.7) / (0.4 * 41.276);
-    for (const double x : flip_map(plain({120, 120, 120}), plain({140, 140, 140})))
-        EXPECT_TRUE(near(x, grey, 1e-4)) << x << ' ' << grey;
-}
-
-TEST(Likeness, FlipSeesFeaturesMoreThanTheirColours) {
-    // The same change of grey as a point, whose edges also count, and as a uniform image, filtered by distance.
-    Image8 point = plain({120, 120, 120}, 60, 60), line = point;
-    point.at(30, 30) = {255, 255, 255};
-    for (int y = 0; y < 60; ++y) line.at(30, y) = {255, 255, 255};
-    const auto of_point = flip_map(plain({120, 120, 120}, 60, 60), point),
-               of_line = flip_map(plain({120, 120, 120}, 60, 60), line);
-    const std::size_t middle = 30 * 60 + 30;
-    EXPECT_GT(of_line[middle], of_point[middle]);
-    EXPECT_GT(of_point[middle], 0.05);
-    EXPECT_TRUE(near(of_point[0], 0, 1e-9));  // far from it
-    // From a greater distance a point is less visible.
-    const auto from_afar = flip_map(plain({120, 120, 120}, 60, 60), point, 4 * k_pixels_per_degree);
-    EXPECT_LT(from_afar[middle], of_point[middle]);
 }
 
 TEST(Likeness, FalseColoursGrowLighter) {

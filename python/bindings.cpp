@@ -10,6 +10,7 @@
 #include "fits.h"
 #include "measured/tables.h"
 #include "parameters.h"
+#include "python_code.h"
 #include "srbf/convert.h"
 #include "srbf/edit.h"
 #include "srbf/shading_code.h"

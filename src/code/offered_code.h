@@ -1,4 +1,4 @@
-// Languages of code by name, functions and texts that extras add, and models as Python.
+// Languages of code by name, functions and texts that extras add.
 #pragma once
 #include <optional>
 
@@ -20,13 +20,6 @@ inline constexpr CodeLanguageRow k_code_languages[] = {{CodeLanguage::glsl, "gls
 /// The language of this name; none if there is no such language. And all names, as "glsl, hlsl, ...".
 std::optional<CodeLanguage> code_language_named(std::string_view name);
 std::string code_language_names();
-
-/// The functions of a model as Python for a library of arrays, see src/code/print_python.h: brdf(wl, wv),
-/// chosen_lobe(wv, selector), sample_of_lobe(k, wv, u1, u2) for each k below `components`, light_pdf(wl, wv). The model's
-/// numbers are tables: `lobes`, a row for each (coefficient, log scale, for each variate centre, unless the model is
-/// axial, and bandwidth, negative if the centre is -z, then the exponents) and `variates`; or `model_numbers`. Errors: a
-/// view-by-view model, a BSDF.
-Result<std::string> python_code(const Model& model, int threads = 0);
 
 /// Functions that an extra adds to code, as NAME_environment: a name for `CodeOptions::with`, and what they are.
 struct CodeFeature {

@@ -13,7 +13,6 @@
 #include "code/model_program.h"
 #include "code/offered_code.h"
 #include "code/print.h"
-#include "code/print_python.h"
 #include "code/program_printer.h"
 #include "models/kind/parameters.h"
 #include "models/model_files.h"
@@ -239,19 +238,6 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
 Result<std::string> map_code(const TexelMap& map, std::string_view name, const CodeOptions& options) {
     const auto added = added_code(options);
     return added ? map_code(map, name, options, *added) : added.error();
-}
-
-Result<std::string> python_code(const Model& model, int threads) {
-    if (std::holds_alternative<SuModel>(model.model) || std::holds_alternative<BsdfModel>(model.model))
-        return Error{"python code", {}, "model", "multivariate, or Lambert and GGX", "another", ErrorCode::argument};
-    const syntax::Program program =
-        program_of(model, {.sampling = true, .threads = threads},
-                   {"brdf", "chosen_lobe", "sample_of_lobe", "light_pdf"}, {}, ParameterStorage::tables);
-    std::string text =
-        fmt::format("components = {}\n", facets_of(model) ? MixtureProposal::k_components : MixtureProposal::k_lobes);
-    for (const syntax::Table& table : program.tables) text += syntax::python_text(table);
-    for (const syntax::Function& function : program.functions) text += "\n\n" + syntax::python_text(function, program);
-    return text;
 }
 
 }  // namespace srbf

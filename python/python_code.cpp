@@ -1,4 +1,5 @@
-// Prints the syntax tree in Python, for array libraries such as Dr.Jit and NumPy.
+#include "python_code.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,7 +7,9 @@
 #include <string_view>
 #include <utility>
 
-#include "code/print_python.h"
+#include "code/model_program.h"
+#include "models/kind/parameters.h"
+#include "sampling/mixture.h"
 
 namespace SRBF_NAMESPACE::syntax {
 namespace {
@@ -116,8 +119,6 @@ void print(const std::vector<Statement>& body, int depth, const Program& program
     }
 }
 
-}  // namespace
-
 std::string python_text(const Table& table) {
     std::string numbers;
     for (const float number : table.numbers) numbers += fmt::format("{}, ", number);
@@ -143,4 +144,22 @@ std::string python_text(const Function& function, const Program& program) {
     return text;
 }
 
+}  // namespace
 }  // namespace srbf::syntax
+
+namespace SRBF_NAMESPACE {
+
+Result<std::string> python_code(const Model& model) {
+    if (std::holds_alternative<SuModel>(model.model) || std::holds_alternative<BsdfModel>(model.model))
+        return Error{"python code", {}, "model", "multivariate, or Lambert and GGX", "another", ErrorCode::argument};
+    const syntax::Program program =
+        program_of(model, {.sampling = true}, {"brdf", "chosen_lobe", "sample_of_lobe", "light_pdf"}, {},
+                   ParameterStorage::tables);
+    std::string text =
+        fmt::format("components = {}\n", facets_of(model) ? MixtureProposal::k_components : MixtureProposal::k_lobes);
+    for (const syntax::Table& table : program.tables) text += syntax::python_text(table);
+    for (const syntax::Function& function : program.functions) text += "\n\n" + syntax::python_text(function, program);
+    return text;
+}
+
+}  // namespace srbf

@@ -170,9 +170,6 @@ TEST_F(Prepared, ProposalsReturnZeroForInvalidDirections) {
             if (above_horizon(v, v)) continue;
             EXPECT_EQ(sample(pm, proposal, v, {0.3f, 0.4f}, 0.5f).pdf, 0) << proposal.index();
         }
-    const SuModel& views = std::get<SuModel>(su.model);
-    const IndexTexture texture = index_texture(views, DirectionMap::cube, 8);
-    for (const auto& [l, v] : pairs_without_value(false)) EXPECT_EQ(value(views, texture, l, v), Rgb());
 }
 
 TEST_F(Prepared, ArraysOfDifferentLengthsEndTheProgram) {

@@ -285,7 +285,7 @@ TEST_F(WithModel, completions_and_the_manual_agree_with_help) {
     };
     EXPECT_TRUE(offered("srbf re").starts_with("render"));
     EXPECT_EQ(offered("srbf ex"), "export\n");
-    EXPECT_EQ(offered("srbf fit --model ''"), "pm su ggx openpbr\n");
+    EXPECT_EQ(offered("srbf fit --model ''"), "pm su ggx openpbr gltf principled\n");
     EXPECT_EQ(offered("srbf fit --ob"), "--objective\n");
     EXPECT_EQ(offered("srbf --max"), "--max-memory\n");
     EXPECT_EQ(offered("srbf --max-memory ''"), "\n");

@@ -515,7 +515,7 @@ TEST(FitToSamples, LooksLikeTheMaterialInGaps) {
             observe(samples, {.objective = Objective::appearance, .max_theta = k_cap, .seed = seed});
         ASSERT_TRUE(observations.ok());
         PmFitOptions sample_options;
-        sample_options.starts = 6, sample_options.perturbations = 10, sample_options.seed = seed;
+        sample_options.starts = 6, sample_options.perturbations = 14, sample_options.seed = seed;
         const auto fit = fit_pm(*observations, sample_options);
         ASSERT_TRUE(fit.ok());
         const Evaluate others[] = {evaluator(fit->model)};

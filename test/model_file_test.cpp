@@ -392,11 +392,11 @@ TEST(SuModelFile, TruncationsAreErrorsAndFlippedBytesErrorsOrModels) {
 
 TEST(SuModelFile, NumbersOutOfRange) {
     EXPECT_EQ(su_error_after([](SuFile&) {}), "");
-    for (const char* tensor : {"coefficient", "bandwidth", "centre", "shape"}) {
+    for (const char* tensor : {"coefficient", "bandwidth", "centre"}) {
         for (const unsigned bad : {0x7c00u, 0xfc00u, 0x7e00u})
             expect_su_error("expected finite numbers", [&](SuFile& f) { f.number(tensor, 5) = std::uint16_t(bad); });
         const std::string negative = su_error_after([&](SuFile& f) { f.number(tensor, 5) = 0xbc00; });
-        if (tensor == std::string("centre") || tensor == std::string("shape"))
+        if (tensor == std::string("centre"))
             EXPECT_EQ(negative, "");
         else
             EXPECT_TRUE(mentions(negative, "expected numbers of at least 0, found -1"));
@@ -408,7 +408,7 @@ TEST(SuModelFile, NumbersOutOfRange) {
 }
 
 TEST(SuModelFile, InvalidTensors) {
-    for (const char* tensor : {"coefficient", "bandwidth", "centre", "shape", "aux.index", "aux.directions"}) {
+    for (const char* tensor : {"coefficient", "bandwidth", "centre", "aux.index", "aux.directions"}) {
         const std::string what = std::string("tensor '") + tensor + "'";
         const bool is_index = tensor == std::string("aux.index");
         expect_su_error(what + ": dtype", [&](SuFile& f) { f.header[tensor]["dtype"] = is_index ? "F16" : "U16"; });
@@ -423,7 +423,6 @@ TEST(SuModelFile, InvalidTensors) {
     EXPECT_TRUE(mentions(error_of_shape("aux.index", {4, 6, 8}), "tensor 'aux.index': shape"));
     EXPECT_TRUE(mentions(error_of_shape("bandwidth", {2, 8}), "expected [n, J] from [8, 1]"));
     EXPECT_TRUE(mentions(error_of_shape("bandwidth", {16, 1}), "shape"));
-    EXPECT_TRUE(mentions(error_of_shape("shape", {2, 8}), "tensor 'shape': shape: expected [8, 2], found [2, 8]"));
     EXPECT_TRUE(mentions(error_of_shape("centre", {8, 4}), "tensor 'centre': shape: expected [8, 2, 2], found [8, 4]"));
     expect_su_error("data", [](SuFile& f) { f.header["gloss"] = f.header["bandwidth"]; });
 }

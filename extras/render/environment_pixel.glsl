@@ -80,8 +80,8 @@ float power_heuristic(float a, float b) { return 1.0 / (1.0 + (b / a) * (b / a))
 // their roughness. The mean luminance is added for light that this average misses.
 struct LitLobes {
     Vec3 wv;      // in the frame of the part
-    Stretch map[2];  // for even and for odd half-vector lobes, like their power
-    float power[2];
+    Stretch stretch;  // the shape of half-vector lobes
+    float power;
     float chance[MIXTURE_COMPONENTS];
 };
 LitLobes lit_lobes(SurfaceFrame frame, Vec3 wv, float side) {
@@ -89,10 +89,8 @@ LitLobes lit_lobes(SurfaceFrame frame, Vec3 wv, float side) {
     LitLobes lit;
     lit.wv = to_part(wv);
     NodesAbout nodes = mixture_nodes(lit.wv);
-    for (int k = 0; k < 2; ++k) {
-        lit.map[k] = mixture_stretch(k, lit.wv, nodes);
-        lit.power[k] = mixture_power(k, nodes);
-    }
+    lit.stretch = mixture_stretch(lit.wv, nodes);
+    lit.power = mixture_power(nodes);
     vec2 above = environment_place(side * frame.normal);
     vec2 mirrored = environment_place(from_surface(frame, to_side(Vec3(-lit.wv.xy, lit.wv.z), side)));
     float mean = luminance(environment_radiance(vec2(0.5), 32.0));
@@ -133,15 +131,14 @@ Vec3 sample_lit(LitLobes lit, vec2 u) {
     if (lit.chance[chosen] <= 0.0) chosen = 0;  // a remainder left by rounding belongs to the cosine
     float u1 = min(remainder / lit.chance[chosen], 0.99999994);
     if (chosen >= SRBF_PROPOSAL_LOBES) return sample_facets(lit.wv, mixture_facets(chosen), u1, u.y);
-    return sample_proposal_lobe(chosen, lit.wv, lit.map[chosen % 2], lit.power[chosen % 2], u1, u.y);
+    return sample_proposal_lobe(chosen, lit.wv, lit.stretch, lit.power, u1, u.y);
 }
 // The density of sample_lit [1/sr].
 float lit_pdf(LitLobes lit, Vec3 wl) {
     if (wl.z <= 0.0 || lit.wv.z <= 0.0) return 0.0;
-    ProposalPoint terms[2];
-    for (int k = 0; k < 2; ++k) terms[k] = proposal_point(wl, lit.wv, lit.map[k], lit.power[k]);
+    ProposalPoint at = proposal_point(wl, lit.wv, lit.stretch, lit.power);
     float sum = 0.0;
-    for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) sum += lit.chance[k] * proposal_lobe_pdf(k, terms[k % 2]);
+    for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) sum += lit.chance[k] * proposal_lobe_pdf(k, at);
     for (int k = SRBF_PROPOSAL_LOBES; k < MIXTURE_COMPONENTS; ++k)
         sum += lit.chance[k] > 0.0 ? lit.chance[k] * facets_pdf(wl, lit.wv, mixture_facets(k)) : 0.0;
     return sum;

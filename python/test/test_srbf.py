@@ -252,7 +252,7 @@ def test_options_of_other_functions_are_refused_by_name(paper, facets, tmp_path)
                         ("picture", lambda: srbf.png(np.zeros((4, 4)))), ("picture", lambda: srbf.png(np.zeros((4, 3))))):
         with pytest.raises(ValueError, match=f"^{name}: "):
             wrong()
-    with pytest.raises(TypeError, match="'lobs'; expected one of model, surface"):
+    with pytest.raises(TypeError, match="'lobs'; expected one of model, form"):
         srbf.fit(paper, lobs=2)
     assert srbf.errors(facets, facets, max_theta=90)["heldout_squared_error_ratio_cosine"] == 0
 

@@ -47,21 +47,25 @@ Result<Done> validate(const Observations& observations, const PmFitOptions& opti
     return validate(observations, parameter_count(options));
 }
 
-/// Some of the perturbations of a fit: those of the first `fraction` of the starts, at least one, on the rows of `pairs`,
-/// until each candidate has had the share `until` of the options' number.
+/// Some of the perturbations of a fit: those of the first `fraction` of the starts, at least `least` if there are as
+/// many, on the rows of `pairs`, until each candidate has had the share `until` of the options' number.
 struct Perturbations {
     Pairs pairs;
     double fraction, until;
+    std::size_t least = 1;
 };
 constexpr Perturbations k_by_pairs[] = {
     {Pairs::search, 1, 0.2}, {Pairs::selection, 0.5, 0.5}, {Pairs::selection, 0.25, 1}};
 /// Candidates with the same loss of pairs look different, and further perturbations hardly lower that loss: half
 /// of the candidates remain for pictures to choose from.
-constexpr Perturbations k_by_pictures[] = {{Pairs::search, 1, 0.12}, {Pairs::search, 0.5, 0.28}};
+constexpr Perturbations k_by_pictures[] = {{Pairs::search, 1, 0.12}, {Pairs::search, 0.5, 0.28, 6}};
 
-/// Number of pairs while there are many candidates: about ten for each parameter.
-std::size_t search_pairs(const PmFitOptions& options) {
-    return std::clamp(std::bit_ceil(10 * parameter_count(options)), std::size_t(1024), std::size_t(2048));
+/// Number of pairs while there are many candidates: about ten for each parameter, or twenty if starts are few or the
+/// table is noisy.
+std::size_t search_pairs(const Observations& observations, const PmFitOptions& options) {
+    const bool has_many = starts_of(options) >= k_many_starts && !observations.is_noisy();
+    return std::clamp(std::bit_ceil((has_many ? 10 : 20) * parameter_count(options)), std::size_t(1024),
+                      std::size_t(2048));
 }
 
 std::span<const Perturbations> perturbations(bool with_pictures) {
@@ -70,6 +74,9 @@ std::span<const Perturbations> perturbations(bool with_pictures) {
 }
 std::size_t count_of(double fraction, const PmFitOptions& options) {
     return std::size_t(std::max(std::lround(fraction * starts_of(options)), 1L));
+}
+std::size_t count_of(const Perturbations& some, const PmFitOptions& options) {
+    return std::max(count_of(some.fraction, options), std::min(some.least, count_of(1, options)));
 }
 int until(const Perturbations& some, const PmFitOptions& options) {
     return int(std::lround(some.until * perturbations_of(options)));
@@ -86,7 +93,7 @@ Work planned_work(const Observations& observations, const PmFitOptions& options)
     int count = 0, previous = 0;
     for (const Perturbations& some : perturbations(!observations.views.empty())) {
         const int next = until(some, options);
-        count += int(count_of(some.fraction, options)) * (next - previous);
+        count += int(count_of(some, options)) * (next - previous);
         previous = next;
     }
     return {double(starts_of(options) * options.lobes + count), k_polish * count + 1};
@@ -123,7 +130,7 @@ class Fit {
         perturb(k_by_pictures);
         if (!reporter_.cancelled()) add_exceeded_pairs();
         const double importance = subsets_.picture_importance(candidates_.front());
-        for (const auto& [fraction, steps] : {std::pair(0.5, 3), {0.25, 4}, {0.125, 8}}) {
+        for (const auto& [fraction, steps] : {std::pair(1.0, 3), {0.25, 4}, {0.125, 8}}) {
             keep(count_of(fraction, options_));
             rank_by_pictures(steps, importance);
         }
@@ -148,7 +155,7 @@ class Fit {
     void perturb(std::span<const Perturbations> all) {
         if (grown_) return;
         for (const Perturbations& some : all) {
-            keep(count_of(some.fraction, options_));
+            keep(count_of(some, options_));
             add_exceeded_pairs();
             for_candidates(subsets_.rows(some.pairs, {}), [&](LobeProblem& problem, Candidate& candidate) {
                 srbf::perturb(problem, options_, until(some, options_), candidate, reporter_);
@@ -206,7 +213,7 @@ class Fit {
     bool grown_;
     std::vector<Candidate> candidates_;
     Work work_ = planned_work(observations_, options_);
-    Subsets subsets_{observations_, search_pairs(options_)};
+    Subsets subsets_{observations_, search_pairs(observations_, options_)};
 };
 
 }  // namespace

@@ -26,8 +26,8 @@ struct PmFitOptions {
     std::optional<int> starts = {};
     /// Maximum number of perturbations of a candidate. Each replaces the least useful lobe; every fourth one
     /// replaces the least useful variate instead. All starts get a fifth of the perturbations, the better half
-    /// another three tenths, and the best quarter the remaining half. For appearance, all starts get 0.12 of them, and the better half
-    /// another 0.16.
+    /// another three tenths, and the best quarter the remaining half. For appearance, all starts get 0.12 of them, and the better half, at
+    /// least six, another 0.16.
     /// Default: 45 for up to 5 lobes, falling to 25 for 8 and more.
     std::optional<int> perturbations = {};
     /// Both numbers are multiplied by it; at least one start remains.
@@ -64,11 +64,13 @@ inline LobeShape shape_of(const PmFitOptions& options) {
 }
 
 inline constexpr int k_most_starts = 1000;
+/// A fit with fewer starts depends more on each, and gives each more random lobes and more pairs.
+inline constexpr int k_many_starts = 12;
 
 /// Default numbers of starts and perturbations. Fits with more lobes use fewer, because each takes longer and
 /// matters less.
 inline int starts_of(const PmFitOptions& options) {
-    const int starts = options.starts.value_or(std::clamp(96 / std::max(options.lobes, 1), 12, 16));
+    const int starts = options.starts.value_or(std::clamp(96 / std::max(options.lobes, 1), k_many_starts, 16));
     return std::clamp(int(std::lround(options.effort * starts)), 1, k_most_starts);
 }
 inline int perturbations_of(const PmFitOptions& options) {

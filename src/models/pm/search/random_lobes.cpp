@@ -8,7 +8,7 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// Number of random lobes from which the best is added.
+/// Number of random lobes from which the best is added, if there are many starts; with few starts twice as many.
 constexpr int k_additions = 128;
 /// This fraction of them are copies of an existing lobe, whose weights are multiplied by up to e and shifted by up
 /// to 2.
@@ -92,9 +92,10 @@ std::mt19937_64 generator(std::uint64_t seed, int start, int stream) {
     return std::mt19937_64(seeds);
 }
 
-std::vector<std::vector<double>> random_candidates(std::mt19937_64& random, const Lobes& lobes) {
+std::vector<std::vector<double>> random_candidates(std::mt19937_64& random, const Lobes& lobes, int starts) {
     std::vector<std::vector<double>> candidates;
-    for (int i = 0; i < k_additions; ++i) candidates.push_back(random_lobe(random, lobes));
+    const int count = starts < k_many_starts ? 2 * k_additions : k_additions;
+    for (int i = 0; i < count; ++i) candidates.push_back(random_lobe(random, lobes));
     return candidates;
 }
 

@@ -34,17 +34,17 @@ void keep_if_better(LobeProblem& problem, Candidate& candidate, const Lobes& lob
 }
 
 /// Adds the best of many random lobes.
-Lobes with_best_lobe(LobeProblem& problem, Lobes lobes, std::mt19937_64& random) {
-    const auto additions = random_candidates(random, lobes);
+Lobes with_best_lobe(LobeProblem& problem, Lobes lobes, const PmFitOptions& options, std::mt19937_64& random) {
+    const auto additions = random_candidates(random, lobes, starts_of(options));
     problem.loss(pack(lobes));
     return with_lobe(std::move(lobes), problem.best_addition(additions));
 }
 
 /// Replaces the least useful lobe, if that lowers the loss.
-void replace_lobe(LobeProblem& problem, Candidate& candidate, std::mt19937_64& random) {
+void replace_lobe(LobeProblem& problem, const PmFitOptions& options, Candidate& candidate, std::mt19937_64& random) {
     const std::vector<double> cost = cost_of_dropping(candidate.gram, candidate.beta);
     Lobes lobes = without_lobe(candidate.lobes, std::ranges::min_element(cost) - cost.begin());
-    keep_if_better(problem, candidate, with_best_lobe(problem, std::move(lobes), random));
+    keep_if_better(problem, candidate, with_best_lobe(problem, std::move(lobes), options, random));
 }
 
 /// Replaces the least useful variate: its weights become 0, its parameterization random. Steps alone rarely rotate
@@ -72,7 +72,7 @@ void grow(LobeProblem& problem, const PmFitOptions& options, Candidate& candidat
     if (candidate.lobes.shape.variates == 0)
         candidate.lobes = initial_parameterizations(shape_of(options), candidate.start, random);
     for (int j = candidate.lobes.count(); j < options.lobes; ++j) {
-        const Lobes lobes = with_best_lobe(problem, std::move(candidate.lobes), random);
+        const Lobes lobes = with_best_lobe(problem, std::move(candidate.lobes), options, random);
         optimise(problem, candidate, lobes, j + 1 < options.lobes ? k_growth_steps : k_grown_steps);
         if (!reporter.advance("growing lobes", 1)) break;
     }
@@ -83,8 +83,10 @@ void perturb(LobeProblem& problem, const PmFitOptions& options, int until, Candi
     optimise(problem, candidate, candidate.lobes, k_first_steps);
     while (candidate.perturbations < until) {
         std::mt19937_64 random = generator(options.seed, candidate.start, 2 + candidate.perturbations++);
-        const bool replaces_variate = candidate.perturbations % (k_lobe_perturbations + 1) == 0;
-        (replaces_variate ? replace_variate : replace_lobe)(problem, candidate, random);
+        if (candidate.perturbations % (k_lobe_perturbations + 1) == 0)
+            replace_variate(problem, candidate, random);
+        else
+            replace_lobe(problem, options, candidate, random);
         if (!reporter.advance("replacing lobes", 1)) break;
     }
 }
@@ -94,7 +96,7 @@ void polish(LobeProblem& problem, const PmFitOptions& options, int steps, Candid
     std::mt19937_64 random = generator(options.seed, candidate.start, 1);
     // A lobe may become useless on more rows than those on which it was found.
     for (int attempt = 0; attempt < k_polish_attempts && has_useless_lobe(candidate); ++attempt)
-        replace_lobe(problem, candidate, random);
+        replace_lobe(problem, options, candidate, random);
 }
 
 }  // namespace srbf

@@ -117,18 +117,18 @@ std::array<Option, 2> add_csv_options(const Subcommand& sub, const Command& comm
 
 /// The options that one writer reads.
 std::vector<AllowedWhen> add_writer_options(const Subcommand& sub, const Command& command) {
-    std::vector<AllowedWhen> readings;
+    std::vector<AllowedWhen> allowed;
     for (const Format& format : formats()) {
         if (!format.option) continue;
         const auto& [name, help, values] = *format.option;
         const Option choice = sub.add_option(
             std::string(name), [command](const std::string& value) { command->choice = value; }, std::string(help));
         choice.type_name(fmt::format("NAME={}", values.front())).one_of({values.begin(), values.end()});
-        readings.push_back({{choice}, fmt::format("only with an output {}", format.extension), [command, &format] {
-                                return format_written_to(command->output) == &format;
-                            }});
+        allowed.push_back({{choice}, fmt::format("only with an output {}", format.extension), [command, &format] {
+                               return format_written_to(command->output) == &format;
+                           }});
     }
-    return readings;
+    return allowed;
 }
 
 }  // namespace
@@ -147,7 +147,7 @@ void add_convert(CommandLine& app, int& status) {
                        : fmt::format("expected a name that ends in {}, found {}", extensions_of_formats(), name);
         });
     const auto [directions, max_theta] = add_csv_options(sub, command);
-    std::vector<AllowedWhen> readings = add_writer_options(sub, command);
+    std::vector<AllowedWhen> allowed = add_writer_options(sub, command);
     const Option rgb_alone =
         sub.add_flag("--rgb-alone", command->rgb_alone,
                      "RGL: colours without the spectra of the same material, as Mitsuba 3 needs them in its\n"
@@ -170,15 +170,15 @@ void add_convert(CommandLine& app, int& status) {
     const auto writes = [command](std::string_view extension) {
         return format_written_to(command->output)->extension == extension;
     };
-    readings.push_back({{directions, max_theta}, "only with an output .csv", [=] { return writes(".csv"); }});
-    readings.push_back({{rgb_alone}, "only with an output .bsdf", [=] { return writes(".bsdf"); }});
-    readings.push_back({{threads}, "not with an output .csv", [=] { return !writes(".csv"); }});
+    allowed.push_back({{directions, max_theta}, "only with an output .csv", [=] { return writes(".csv"); }});
+    allowed.push_back({{rgb_alone}, "only with an output .bsdf", [=] { return writes(".bsdf"); }});
+    allowed.push_back({{threads}, "not with an output .csv", [=] { return !writes(".csv"); }});
     sub.callback(
         [command, directions = directions, max_theta = max_theta, &status] {
             command->chooses_directions = directions.given() || max_theta.given();
             status = command->run();
         },
-        std::move(readings));
+        std::move(allowed));
 }
 
 }  // namespace srbf

@@ -298,12 +298,12 @@ void add_export(CommandLine& app, int& status) {
     sub.footer(
         "Examples:\n  srbf export paper_white_rgb.srbf --to glsl -o paper_white.glsl\n"
         "  srbf export map.srbf --to ktx2 -o map.ktx2");
-    exports.readings.push_back({{with}, "is for source code", [command] { return is_code(command->to); }});
-    exports.readings.push_back(
+    exports.allowed.push_back({{with}, "is for source code", [command] { return is_code(command->to); }});
+    exports.allowed.push_back(
         {{coefficients}, "is for the textures of maps", [command] { return has_texture(command->to); }});
     sub.callback([command, kinds = exports.kinds,
                   &status] { status = std::ranges::find(kinds, command->to, &ExportKind::name)->run(*command); },
-                 exports.readings);
+                 exports.allowed);
 }
 
 }  // namespace srbf

@@ -23,7 +23,7 @@ struct ExportKind {
 struct Exports {
     std::vector<ExportKind> kinds;
     std::string about;  ///< a line or more for each kind, for the help
-    std::vector<AllowedWhen> readings;
+    std::vector<AllowedWhen> allowed;
 };
 
 /// Loads the models in the files, or the map that is the only one, and checks that it can be written as layers.

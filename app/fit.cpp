@@ -12,7 +12,8 @@
 namespace srbf {
 namespace {
 
-/// Which measurements an option applies to. The readings in fit_command.cpp depend on the command line alone.
+/// Which measurements an option applies to. The rows of `AllowedWhen` in fit_command.cpp depend on the command line
+/// alone.
 struct ReadFor {
     std::vector<std::string_view> options;
     bool are_read;
@@ -48,12 +49,12 @@ Result<Done> check_read(const Measured& measured, const FileFit& fit) {
 }  // namespace
 
 int fit_file(FileFit fit) {
-    const auto measured = load_measured(fit);
+    const auto measured = load_for_fit(fit);
     if (!measured) return complain(measured.error());
     const auto writable = check_outputs(fit.files, {fit.output, fit.preview, fit.json == "-" ? "" : fit.json});
     if (!writable) return complain(writable.error());
 
-    if (std::holds_alternative<BsdfTable>(measured->table)) return fit_both_sides(fit, *measured);
+    if (std::holds_alternative<BsdfTable>(measured->table)) return fit_bsdf_file(fit, *measured);
 
     ProgressLine line;
     const auto show = line.shown_progress();
@@ -76,7 +77,7 @@ int fit_file(FileFit fit) {
                                [&] { return print_report(fit, *measured, *outcome); }));
 }
 
-Result<Measured> load_measured(FileFit& fit) {
+Result<Measured> load_for_fit(FileFit& fit) {
     const Stopwatch loading;
     std::vector<Measured> files;
     for (const std::string& name : fit.files) {

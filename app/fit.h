@@ -23,11 +23,12 @@ struct FileFit {
 
 /// Fits the measurement in a file, writes the outputs and prints the report; returns the exit status.
 int fit_file(FileFit fit);
-/// Fits a two-sided measurement, writes the outputs and prints the report; returns the exit status.
-int fit_both_sides(const FileFit& fit, const Measured& measured);
+/// Fits a BSDF, writes the outputs and prints the report; returns the exit status.
+int fit_bsdf_file(const FileFit& fit, const Measured& measured);
 Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& outcome);
-/// Loads the measurement of a fit and, if requested, exchanges light and viewer.
-Result<Measured> load_measured(FileFit& fit);
+/// Loads the measurement of a fit, or joins those of several files. Exchanges light and viewer and chooses the band if
+/// that is requested, checks that its kind reads the given options, and notes the time in `load_seconds`.
+Result<Measured> load_for_fit(FileFit& fit);
 
 /// The measured and the fitted sphere side by side.
 Image8 preview_of(const FileFit& fit, const Measured& measured, const Model& model);
@@ -42,7 +43,7 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
 struct FolderFit {
     std::vector<std::string> inputs;
     std::string folder;    // STEM.srbf and STEM.json of each input STEM.*
-    FileFit each;          // the request, and whether to exchange
+    FileFit each;          // what all fits share: request, reading, band
     std::string settings;  // the options that the models depend on
     bool resume = false;   // keep earlier results
 };

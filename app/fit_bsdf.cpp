@@ -1,4 +1,4 @@
-// `srbf fit` of a two-sided measurement.
+// `srbf fit` of a BSDF: its report, part by part.
 
 #include <thread>
 
@@ -100,7 +100,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& 
     return json;
 }
 
-int fit_both_sides(const FileFit& fit, const Measured& measured) {
+int fit_bsdf_file(const FileFit& fit, const Measured& measured) {
     ProgressLine line;
     const auto outcome = fit_bsdf(measured, fit.request, line.shown_progress());
     line.clear();

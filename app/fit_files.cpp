@@ -85,7 +85,7 @@ Result<State> fit_one(FileOfMany& file, const FolderFit& folder, const ProgressT
             if (const auto line = line_of(*report); line && report->value("key", Json()) == key)
                 if (is_report_of(*report, file.fit.output)) return file.line = *line, State::kept;
 
-    const auto measured = load_measured(file.fit);
+    const auto measured = load_for_fit(file.fit);
     if (!measured) return measured.error();
     const auto keep = [&](const auto& outcome) -> Result<State> {
         if (!outcome) return outcome.error();

@@ -42,10 +42,10 @@ void refuse_missing(const CLI::App& sub) {
         }
 }
 
-void refuse_unread(const std::vector<AllowedWhen>& readings) {
-    for (const AllowedWhen& reading : readings)
-        for (const Option& option : reading.options)
-            if (option.given() && !reading.are_read()) option.fail(reading.where);
+void refuse_unread(const std::vector<AllowedWhen>& allowed) {
+    for (const AllowedWhen& row : allowed)
+        for (const Option& option : row.options)
+            if (option.given() && !row.are_read()) option.fail(row.where);
 }
 
 }  // namespace
@@ -132,10 +132,10 @@ std::string Subcommand::settings(const std::vector<Option>& besides) const {
 }
 void Subcommand::fail(const std::string& what) const { throw CLI::ValidationError("", what); }
 void Subcommand::footer(const std::string& text) const { app_->footer(text); }
-void Subcommand::callback(std::function<void()> run, std::vector<AllowedWhen> readings) const {
-    app_->parse_complete_callback([app = app_, readings = std::move(readings)] {
+void Subcommand::callback(std::function<void()> run, std::vector<AllowedWhen> allowed) const {
+    app_->parse_complete_callback([app = app_, allowed = std::move(allowed)] {
         refuse_missing(*app);
-        refuse_unread(readings);
+        refuse_unread(allowed);
     });
     app_->final_callback(std::move(run));
 }

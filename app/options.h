@@ -90,7 +90,7 @@ class Subcommand {
     [[noreturn]] void fail(const std::string& what) const;
     /// Sets the action of the subcommand, which runs once all options are parsed. Before it, parsing refuses empty
     /// arguments, option names in place of arguments, and options that the chosen mode does not read.
-    void callback(std::function<void()> run, std::vector<AllowedWhen> readings = {}) const;
+    void callback(std::function<void()> run, std::vector<AllowedWhen> allowed = {}) const;
 
   private:
     CLI::App* app_;

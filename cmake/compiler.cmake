@@ -36,7 +36,7 @@ endfunction()
 set(SRBF_QUICKLY_COMPILED $<$<CONFIG:Release>:-O1>)
 set(SRBF_COMPILED_FOR_SPEED)
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL "wasm32")
-  set(SRBF_QUICKLY_COMPILED -Oz)  # a page has to be small; the slow computations are listed below
+  set(SRBF_QUICKLY_COMPILED -Oz)  # a page has to be small; CMakeLists.txt lists the slow computations (`much_computed`)
 endif()
 if(SRBF_SANITIZE)
   set(SRBF_QUICKLY_COMPILED -O0)

@@ -1,4 +1,4 @@
-# Headers that CMake writes into ${PROJECT_BINARY_DIR}/shaders.
+# Headers that CMake writes into ${PROJECT_BINARY_DIR}/generated.
 
 # embedded(HEADER FILE..): writes a header with the text of each file as a string k_NOUN_text, with its includes
 # of srbf/ expanded.
@@ -22,7 +22,7 @@ function(embedded header)
     string(APPEND texts "inline constexpr char k_${noun}_text[] = R\"text(${content})text\";\n")
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
   endforeach()
-  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/shaders/${header} CONTENT "${texts}}  // namespace srbf\n" @ONLY)
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/${header} CONTENT "${texts}}  // namespace srbf\n" @ONLY)
 endfunction()
 
 # extras_listed(HEADER FILE NOUN TYPE INCLUDE): writes a header with the array k_extra_NOUN of all k_NAME_NOUN in the
@@ -38,7 +38,7 @@ function(extras_listed header file noun type include)
       math(EXPR count "${count} + 1")
     endif()
   endforeach()
-  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/shaders/${header} @ONLY CONTENT "// Made by CMake: ${noun} of extras.
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/${header} @ONLY CONTENT "// Made by CMake: ${noun} of extras.
 #pragma once
 #include <array>
 #include <span>
@@ -62,7 +62,7 @@ function(function_table header type name include)
     string(APPEND names "${function}, ")
   endforeach()
   string(REPLACE "%s" "(*)" pointer "${type}")
-  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/shaders/${header} @ONLY CONTENT "// Made by CMake: functions of extras.
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/${header} @ONLY CONTENT "// Made by CMake: functions of extras.
 #pragma once
 #include <array>
 

@@ -1,13 +1,13 @@
 # `cmake --install`. Users then have find_package(srbf) with the target srbf::srbf, and srbf::shader with
 # find_package(srbf COMPONENTS shader). Components of the installation: program, library (if shared), development.
 include(GNUInstallDirs)
-# install_if_built(FILE FOLDER COMPONENT): installs what a build of one target may lack, or says that it is left out.
+# install_if_built(FILE FOLDER COMPONENT): installs a file that not every build has, or says that it is left out.
 function(install_if_built file folder component)
   install(FILES ${file} DESTINATION ${folder} COMPONENT ${component} OPTIONAL)
   install(CODE "if(NOT EXISTS \"${file}\")
   message(STATUS \"Left out: ${file}. To have it, type: cmake --build ${PROJECT_BINARY_DIR}\")\nendif()" COMPONENT ${component})
 endfunction()
-if(DEFINED SRBF_SOURCES)  # with libraries of its own; of WebAssembly there is only the page, which ./run site makes
+if(DEFINED SRBF_SOURCES)  # a build with compiled sources of libraries; for WebAssembly ./run site makes the page
   install(CODE "message(FATAL_ERROR \"here only the program is installed: --component program\")" COMPONENT development)
 else()
   include(CMakePackageConfigHelpers)
@@ -34,7 +34,7 @@ else()
   write_basic_package_version_file(srbf-config-version.cmake COMPATIBILITY SameMinorVersion)
   install(FILES ${CMAKE_CURRENT_BINARY_DIR}/srbf-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/srbf-config-version.cmake
           cmake/Findhwy.cmake DESTINATION ${SRBF_PACKAGE} COMPONENT development)
-  # pkg-config, whose folder may be moved with the prefix.
+  # The file for pkg-config. Its folder may be moved with the prefix.
   file(RELATIVE_PATH PREFIX_FROM_PKGCONFIG /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
   set(REQUIRES Requires)  # a program that links the static library links these too
   if(BUILD_SHARED_LIBS)

@@ -1,6 +1,6 @@
-# Installs the program, and files that it prints: completions, and the manual page by help2man.
+# Installs the program.
 install(TARGETS srbf_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
-# Files that the program generates: completions, and the manual page by help2man.
+# Installs the files that are made by running the program: completions, and the manual page by help2man.
 # srbf_prints(FILE FOLDER COMMAND..): installs the output of the command, written to `manual` in the build folder.
 set(manuals)
 function(srbf_prints file folder)

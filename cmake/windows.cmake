@@ -12,6 +12,6 @@ set(CMAKE_MODULE_PATH ${CMAKE_CURRENT_LIST_DIR}/sources)
 get_filename_component(SRBF_SOURCES ${CMAKE_CURRENT_LIST_DIR}/../build/sources ABSOLUTE)
 find_program(wine NAMES wine64 wine PATHS /usr/lib/wine)
 set(CMAKE_CROSSCOMPILING_EMULATOR ${wine})
-set(CMAKE_EXE_LINKER_FLAGS_INIT "-static -Wl,--stack,8388608")  # no libraries of GCC, and a stack as on Linux
-# GCC does not align vectors of 32 bytes on the stack of Windows (its bug 54412): their moves are those that need no alignment.
+set(CMAKE_EXE_LINKER_FLAGS_INIT "-static -Wl,--stack,8388608")  # without shared libraries of GCC, and with a stack as large as on Linux
+# GCC does not align vectors of 32 bytes on the stack of Windows (its bug 54412), so their moves must not need alignment.
 set(CMAKE_CXX_FLAGS_INIT -Wa,-muse-unaligned-vector-move)

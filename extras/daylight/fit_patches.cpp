@@ -1,5 +1,6 @@
 // Fits to averages over patches.
 #include <numeric>
+#include <random>
 
 #include "base/errors.h"
 #include "base/floating_point.h"

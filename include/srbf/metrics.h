@@ -76,7 +76,7 @@ struct Comparison {
 std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evaluate> others,
                                 const MeasureOptions& options, std::span<const Vec3f> directions);
 
-/// The loss that a fit minimises over the pairs within θmax. Each objective corresponds to a measure of metrics.h.
+/// The loss that a fit minimises over the pairs within θmax. Each objective corresponds to a member of `Measures`.
 enum class Objective {
     raw,  ///< Σ (f−f̂)²
     /// Σ (f cosθl − f̂ cosθl)² cosθv; for a multivariate model plus 0.005 times the cube-root weights, times cosθl

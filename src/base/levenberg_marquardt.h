@@ -26,7 +26,6 @@ enum class Stop {
     step,        ///< no step with damping up to 1e10 lowers the loss
     iterations,  ///< `max_iterations` linearisations were used
     target,      ///< the remaining steps would not reach `target` even if each lowered the loss as much as the last one
-    cancelled,   ///< the progress callback returned false
 };
 
 struct LevenbergMarquardtOptions {

@@ -1,4 +1,4 @@
-// Fits of both sides of a surface.
+// Fits of BSDFs, part by part.
 
 #include "base/errors.h"
 #include "base/files.h"

@@ -16,8 +16,8 @@ struct FitOptionRow {
     std::vector<std::string_view> models = {};  ///< the names of the models that read it; empty: all
     std::string_view type = {};                 ///< the name of its type in help; empty: a flag, "true" or "false"
     std::string about = {};                     ///< lines of help
-    std::string preset =
-        {};  ///< the text of the default; empty for a flag that is off, or if the default depends on others
+    /// The text of the default; empty for a flag that is off, or if the default depends on others.
+    std::string preset = {};
     std::string expected = {};              ///< a description of accepted texts: "1 to 8"
     std::vector<std::string> choices = {};  ///< the texts, if they can be listed
     std::string_view negation = {};         ///< the name of the flag's opposite on command lines, or empty
@@ -34,7 +34,7 @@ using FitTexts = std::map<std::string, std::string, std::less<>>;
 /// The spelling of an option in an interface, such as "--max-theta".
 using Spelling = std::function<std::string(std::string_view name)>;
 
-/// The request of these options. Errors, of one line with names in the front's spelling: an unknown name; an
+/// The request of these options. Errors, of one line with names in the interface's spelling: an unknown name; an
 /// invalid text; an option that the model does not read; options that exclude each other.
 Result<FitRequest> fit_request(const FitTexts& texts, const Spelling& spelled = {});
 

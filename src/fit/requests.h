@@ -6,7 +6,6 @@
 
 #include "models/kind/parameters.h"
 #include "models/pm/search/fit_pm.h"
-#include "models/pm/search/search.h"
 #include "models/su/fit_su.h"
 #include "srbf/fit.h"
 

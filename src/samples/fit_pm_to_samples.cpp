@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "base/floating_point.h"
-#include "models/pm/search/search.h"
 
 namespace SRBF_NAMESPACE {
 

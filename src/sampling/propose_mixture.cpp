@@ -13,8 +13,9 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-// Points for each lobe and view, and steps of the weights: at last, and in the search for shapes.
-constexpr int k_points = 64, k_steps = 200, k_search_points = 12, k_search_steps = 30;
+// Numbers of points for each lobe and view, and of steps of the weights. The search for shapes uses fewer.
+constexpr int k_points = 64, k_steps = 200;
+constexpr int k_search_points = 12, k_search_steps = 30;
 // The relative gains of the second moment that justify an anisotropy axis, and a step of a lobe's shape.
 constexpr double k_least_gain = 0.01, k_least_change = 0.003;
 

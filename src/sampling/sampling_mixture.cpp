@@ -13,7 +13,6 @@
 #include <hwy/foreach_target.h>
 
 #include "brdf/batch-inl.h"
-#include "sampling/mixture.h"
 
 #ifndef SRBF_SAMPLING_MIXTURE
 #define SRBF_SAMPLING_MIXTURE
@@ -265,7 +264,7 @@ HWY_INLINE void add_slopes(const SamplingPoints& points, std::size_t k, std::siz
 
 double compute_slopes(const SamplingPoints& points, const float* lobe_weight, double* slope) {
     constexpr std::size_t max_points = 256;  // number of points processed together
-    constexpr std::size_t vectors = SamplingPoints::k_block * sizeof(float) / sizeof(LobeLanes);
+    constexpr std::size_t vectors = SamplingPoints::k_padding * sizeof(float) / sizeof(LobeLanes);
     const std::size_t lobes = points.density.size();
     HWY_ALIGN float factor[max_points];
     double moment = 0;
@@ -273,7 +272,7 @@ double compute_slopes(const SamplingPoints& points, const float* lobe_weight, do
     for (std::size_t first = 0; first < points.size(); first += max_points) {
         const std::size_t count = std::min(max_points, points.size() - first);
         LobeLanes sum(0.0);
-        for (std::size_t i = 0; i < count; i += SamplingPoints::k_block) {
+        for (std::size_t i = 0; i < count; i += SamplingPoints::k_padding) {
             LobeLanes pdf[vectors];
             for (auto& p : pdf) p = LobeLanes(0.0);
             for (std::size_t k = 0; k < lobes; ++k) {
@@ -291,7 +290,7 @@ double compute_slopes(const SamplingPoints& points, const float* lobe_weight, do
             }
         }
         moment += double(sum.sum());
-        // Several lobes at once, whose sums do not wait for each other.
+        // Four lobes at once: their sums do not wait for each other.
         std::size_t k = 0;
         for (; k + 4 <= lobes; k += 4) add_slopes<4>(points, k, first, count, factor, slope);
         for (; k < lobes; ++k) add_slopes<1>(points, k, first, count, factor, slope);
@@ -344,6 +343,7 @@ Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector)
 }
 
 void set_densities(SamplingPoints& points, const ProposalShape& shape) {
+    // All shapes for these points have the same axis and facets, so only the lobes need a comparison.
     if (points.shape && points.shape->lobes == shape.lobes) return;
     points.density.resize(shape.components());
     for (auto& lobe_density : points.density) lobe_density.resize(points.size());

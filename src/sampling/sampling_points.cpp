@@ -28,7 +28,7 @@ void add_points(const Evaluate& brdf, Vec3f wv, std::span<const Vec3f> wl, std::
         if (squared[i] > 0) points.add(wl[i], wv, float(squared[i] / (albedo * albedo)));
 }
 
-/// Adds to `wl` a lattice of `count` directions of a lobe, made by `sample(u1, u2)`, without those below the
+/// Adds to `wl` a lattice of `count` directions of a lobe, made by `sample(u1, u2)`, without directions below the
 /// horizon.
 template <typename Sample> void add_lattice(int count, const Sample& sample, std::vector<Vec3f>& wl) {
     for (int i = 0; i < count; ++i) {
@@ -38,7 +38,7 @@ template <typename Sample> void add_lattice(int count, const Sample& sample, std
     }
 }
 
-/// Adds to `wl` a lattice of `count` samples of component k of this shape for a view, without those that are lost.
+/// Adds to `wl` a lattice of `count` samples of component k of this shape for a view, without lost samples.
 void add_draws(int count, int k, const ProposalShape& shape, Vec3f wv, std::vector<Vec3f>& wl) {
     const auto& [stretch, power] = shape.lobes;
     const K::Stretch map = K::stretch_along(shape.has_axis() ? Vec3f(shape.cosine, shape.sine, 0) : wv, stretch);

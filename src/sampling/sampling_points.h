@@ -21,7 +21,7 @@ struct ProposalShape {
 /// Pairs of directions with weights for the integral over dωl, and the densities of a mixture's components at them, as
 /// columns.
 struct SamplingPoints {
-    static constexpr std::size_t k_block = 32;  ///< the number of points is a multiple of this after padding
+    static constexpr std::size_t k_padding = 32;  ///< the number of points is a multiple of this after padding
 
     std::array<Aligned<float>, 3> wl, wv;
     Aligned<float> weight;  ///< (f cosθl)² times the point's solid angle, relative to the squared albedo
@@ -36,9 +36,9 @@ struct SamplingPoints {
         shape.reset();
     }
     Vec3f light(std::size_t i) const { return {wl[0][i], wl[1][i], wl[2][i]}; }
-    /// Fills the last block with points of weight 0.
+    /// Adds points of weight 0 up to a multiple of `k_padding`.
     void pad() {
-        while (size() % k_block != 0) add(light(size() - 1), {wv[0].back(), wv[1].back(), wv[2].back()}, 0);
+        while (size() % k_padding != 0) add(light(size() - 1), {wv[0].back(), wv[1].back(), wv[2].back()}, 0);
     }
 };
 

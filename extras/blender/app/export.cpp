@@ -125,9 +125,9 @@ void add_blender_exports(const Subcommand& sub, const ExportCommand& command, Ex
         "\nblender: a script that makes materials of Blender's nodes for Cycles, from models or measurements, which\n"
         "MODEL may be here\n"
         "osl: the same as a shader for Cycles in Open Shading Language, nearer to the measurement";
-    exports.readings.push_back({{option}, "is for --to blender and osl", [&command] {
-                                    return command.to == "blender" || command.to == "osl";
-                                }});
+    exports.allowed.push_back({{option}, "is for --to blender and osl", [&command] {
+                                   return command.to == "blender" || command.to == "osl";
+                               }});
 }
 
 }  // namespace srbf

@@ -96,9 +96,8 @@ void add_render_exports(const Subcommand& sub, const ExportCommand& command, Exp
     exports.about +=
         "\nhtml: a single file for any browser, without network access\n"
         "exr: the coefficients of a map, as channels of OpenEXR";
-    exports.readings.push_back(
-        {{reference, mesh, up}, "is for --to html", [&command] { return command.to == "html"; }});
-    exports.readings.push_back({{up}, "only with --mesh", [options] { return !options->mesh.empty(); }});
+    exports.allowed.push_back({{reference, mesh, up}, "is for --to html", [&command] { return command.to == "html"; }});
+    exports.allowed.push_back({{up}, "only with --mesh", [options] { return !options->mesh.empty(); }});
 }
 
 }  // namespace srbf

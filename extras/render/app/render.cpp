@@ -291,14 +291,14 @@ void add_render(CommandLine& app, int& status) {
     const Option json = sub.add_option("--json", command->json, "Write the results of --compare; - is standard output")
                             .type_name("FILE");
     const auto is_path = [command] { return command->renderer == "path"; };
-    std::vector<AllowedWhen> readings = command->path.add_options(sub, about_mesh, is_path);
-    readings.push_back({{aov, mask}, "only with --renderer path", is_path});
-    readings.push_back({{aov}, "only with an output .exr", [command] { return command->is_exr(); }});
-    readings.push_back({{json}, "only with --compare", [command] { return !command->compare.empty(); }});
+    std::vector<AllowedWhen> allowed = command->path.add_options(sub, about_mesh, is_path);
+    allowed.push_back({{aov, mask}, "only with --renderer path", is_path});
+    allowed.push_back({{aov}, "only with an output .exr", [command] { return command->is_exr(); }});
+    allowed.push_back({{json}, "only with --compare", [command] { return !command->compare.empty(); }});
     sub.footer(
         "Examples:\n  srbf render paper_white_rgb.bsdf paper_white_rgb.srbf -o paper.png\n"
         "  srbf render film.srbf --compare film.bsdf --env lobby.hdr --mesh bunny.ply --spp 256 -o film.exr");
-    sub.callback([command, &status] { status = command->run(); }, std::move(readings));
+    sub.callback([command, &status] { status = command->run(); }, std::move(allowed));
 }
 
 }  // namespace srbf

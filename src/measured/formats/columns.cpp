@@ -32,7 +32,7 @@ std::optional<AngleUnit> unit_in(std::string_view text) {
     return {};
 }
 
-/// The text in lower case, with Greek letters and signs of units by their names.
+/// Returns the text in lower case, with the names of Greek letters and of unit signs in their place.
 std::string spelt_out(std::string_view text) {
     constexpr std::pair<std::string_view, std::string_view> letters[] = {
         {"θ", "theta"}, {"Θ", "theta"}, {"ϑ", "theta"}, {"φ", "phi"}, {"Φ", "phi"},          {"ϕ", "phi"}, {"°", "deg"},
@@ -67,7 +67,8 @@ ColumnName column_name(std::string_view text) {
     return name;
 }
 
-/// The size of a unit of values in 1/sr or 1: of "1/sr", "%", "1e-3/sr", "10^-3 sr^-1". No value for others, as dB.
+/// The size of a unit of values in 1/sr or 1, such as "1/sr", "%", "1e-3/sr" or "10^-3 sr^-1". Other units, such as
+/// dB, have no value.
 std::optional<double> factor_of(std::string unit) {
     for (const std::string_view per_sr : {"1/sr", "/sr", "sr^-1", "sr**-1", "sr-1"})
         if (unit.ends_with(per_sr)) {

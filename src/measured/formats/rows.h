@@ -1,4 +1,4 @@
-// Functions for rows of the table of formats, here and in extras.
+// Functions that the rows of the table of formats share, here and in extras.
 #pragma once
 #include <memory>
 
@@ -25,8 +25,8 @@ inline std::vector<std::byte> bytes_of(std::string_view text) {
     return {bytes.begin(), bytes.end()};
 }
 
-/// Makes an `EvaluatedTable` of a format's own table by its `signed_value`, `is_isotropic` and `lines_about`.
-/// `functions`: those that few formats have.
+/// Makes an `EvaluatedTable` of the table type of one format by the functions `signed_value`, `is_isotropic` and
+/// `lines_about` of that type. `functions` has the functions that only few formats define.
 template <typename Table>
 EvaluatedTable evaluated_table(const std::shared_ptr<const Table>& table, TableFunctions functions = {}) {
     functions.lines = [table] { return lines_about(*table); };

@@ -30,14 +30,14 @@ template <typename M, typename Lobe = M> struct Member {
 inline constexpr float k_unbounded = std::numeric_limits<float>::infinity();
 
 /// Number c of a member, 0 ≤ c < count.
-template <typename M, typename Lobe, typename Of>
-requires std::same_as<std::remove_const_t<Of>, M>
-auto& number(Of& model, const Member<M, Lobe>& of, int c, std::size_t lobe = 0) {
+template <typename M, typename Lobe, typename MaybeConst>
+requires std::same_as<std::remove_const_t<MaybeConst>, M>
+auto& number(MaybeConst& model, const Member<M, Lobe>& member, int c, std::size_t lobe = 0) {
     if constexpr (requires { model.lobes; }) {
-        if (of.lobe_number) return model.lobes[lobe].*of.lobe_number;
-        if (of.lobe_colour) return (&(model.lobes[lobe].*of.lobe_colour).r)[c];
+        if (member.lobe_number) return model.lobes[lobe].*member.lobe_number;
+        if (member.lobe_colour) return (&(model.lobes[lobe].*member.lobe_colour).r)[c];
     }
-    return of.number ? model.*of.number : (&(model.*of.colour).r)[c];
+    return member.number ? model.*member.number : (&(model.*member.colour).r)[c];
 }
 
 template <typename M> std::size_t lobes_of_numbers(const M& model) {
@@ -45,18 +45,18 @@ template <typename M> std::size_t lobes_of_numbers(const M& model) {
     return 0;
 }
 template <typename M, typename Lobe>
-std::vector<float> numbers_of(const M& model, const Member<M, Lobe>& of, std::size_t first, std::size_t end) {
+std::vector<float> numbers_of(const M& model, const Member<M, Lobe>& member, std::size_t first, std::size_t end) {
     std::vector<float> numbers;
     for (std::size_t lobe = first; lobe < end; ++lobe)
-        for (int c = 0; c < of.count(); ++c) numbers.push_back(number(model, of, c, lobe));
+        for (int c = 0; c < member.count(); ++c) numbers.push_back(number(model, member, c, lobe));
     return numbers;
 }
 /// All numbers of a member, and their shape: of lobes [L] or [L, 3], of others [1] or [3].
-template <typename M, typename Lobe> NumberArray array_of(const M& model, const Member<M, Lobe>& of) {
-    const std::size_t slots = of.of_lobe() ? lobes_of_numbers(model) : 1, count = std::size_t(of.count());
-    std::vector<std::size_t> shape{of.of_lobe() ? slots : count};
-    if (of.of_lobe() && count > 1) shape.push_back(count);
-    return {std::move(shape), numbers_of(model, of, 0, slots)};
+template <typename M, typename Lobe> NumberArray array_of(const M& model, const Member<M, Lobe>& member) {
+    const std::size_t slots = member.of_lobe() ? lobes_of_numbers(model) : 1, count = std::size_t(member.count());
+    std::vector<std::size_t> shape{member.of_lobe() ? slots : count};
+    if (member.of_lobe() && count > 1) shape.push_back(count);
+    return {std::move(shape), numbers_of(model, member, 0, slots)};
 }
 
 /// A file has the members that are stored: all of them, unless the kind says otherwise.
@@ -69,7 +69,8 @@ concept OfNumbers = requires {
 /// How many numbers are stored.
 template <OfNumbers M> std::size_t number_count(const M& model) {
     std::size_t count = 0;
-    for (const auto& of : Kind<M>::numbers) count += is_stored(model, of) ? array_of(model, of).numbers.size() : 0;
+    for (const auto& member : Kind<M>::numbers)
+        count += is_stored(model, member) ? array_of(model, member).numbers.size() : 0;
     return count;
 }
 // The functions of a `Model` (model.h); a kind that is anisotropic or not reciprocal has its own.
@@ -104,13 +105,13 @@ inline Vec3f vector_of(const Rgb& colour) { return {colour.r, colour.g, colour.b
 template <typename M> struct KindOfNumbers {
     static Safetensors content(const M& model) {
         Safetensors content;
-        for (const auto& of : Kind<M>::numbers) {
-            if (!is_stored(model, of)) continue;
-            const NumberArray array = array_of(model, of);
-            Tensor16& tensor =
-                content.tensors[std::string(of.tensor)] = {Type16::half, {array.shape.begin(), array.shape.end()}, {}};
+        for (const auto& member : Kind<M>::numbers) {
+            if (!is_stored(model, member)) continue;
+            const NumberArray array = array_of(model, member);
+            Tensor16& tensor = content.tensors[std::string(member.tensor)] = {
+                Type16::half, {array.shape.begin(), array.shape.end()}, {}};
             for (const float x : array.numbers)
-                tensor.data.push_back(to_half(std::clamp(x, of.least, std::min(of.most, k_half_max))));
+                tensor.data.push_back(to_half(std::clamp(x, member.least, std::min(member.most, k_half_max))));
         }
         return content;
     }
@@ -120,31 +121,31 @@ template <typename M> struct KindOfNumbers {
     /// The model of a file that has the members and the lobes of `model`.
     static Result<M> read_into(M model, const Safetensors& content, const std::string& file_name) {
         std::map<std::string, TensorShape> expected;
-        for (const auto& of : Kind<M>::numbers)
-            if (is_stored(model, of)) {
-                const auto shape = array_of(model, of).shape;
-                expected[std::string(of.tensor)] = {Type16::half, {shape.begin(), shape.end()}};
+        for (const auto& member : Kind<M>::numbers)
+            if (is_stored(model, member)) {
+                const auto shape = array_of(model, member).shape;
+                expected[std::string(member.tensor)] = {Type16::half, {shape.begin(), shape.end()}};
             }
         if (const auto valid = check_tensors(content.tensors, expected, file_name); !valid) return valid.error();
-        for (const auto& of : Kind<M>::numbers) {
-            const auto tensor = content.tensors.find(std::string(of.tensor));
+        for (const auto& member : Kind<M>::numbers) {
+            const auto tensor = content.tensors.find(std::string(member.tensor));
             for (std::size_t i = 0; tensor != content.tensors.end() && i < tensor->second.data.size(); ++i) {
                 const float x = from_half(tensor->second.data[i]);
-                if (!(x >= of.least && x <= of.most))
-                    return input_error(
-                        file_name, fmt::format("tensor '{}'", of.tensor),
-                        of.most == k_unbounded ? "numbers of at least 0" : fmt::format("{} to {}", of.least, of.most),
-                        fmt::format("{}", x));
-                number(model, of, int(i) % of.count(), i / std::size_t(of.count())) = x;
+                if (!(x >= member.least && x <= member.most))
+                    return input_error(file_name, fmt::format("tensor '{}'", member.tensor),
+                                       member.most == k_unbounded ? "numbers of at least 0"
+                                                                  : fmt::format("{} to {}", member.least, member.most),
+                                       fmt::format("{}", x));
+                number(model, member, int(i) % member.count(), i / std::size_t(member.count())) = x;
             }
         }
         return model;
     }
     static double largest(const M& model) {
         double largest = 0;
-        for (const auto& of : Kind<M>::numbers)
-            if (of.most == k_unbounded)
-                for (const float x : array_of(model, of).numbers) largest = std::max(largest, double(x));
+        for (const auto& member : Kind<M>::numbers)
+            if (member.most == k_unbounded)
+                for (const float x : array_of(model, member).numbers) largest = std::max(largest, double(x));
         return largest;
     }
     static std::string summary(const M&) { return fmt::format("{}, {}", Kind<M>::name, Kind<M>::words); }
@@ -153,19 +154,19 @@ template <typename M> struct KindOfNumbers {
         add_row(text, "model", fmt::format("{}: {}", Kind<M>::name, Kind<M>::words));
         add_row(text, "size", fmt::format("{} numbers, {} bytes", number_count(model), payload_bytes(model)));
         std::size_t width = 18;
-        for (const auto& of : Kind<M>::numbers) width = std::max(width, of.row.size() + 1);
+        for (const auto& member : Kind<M>::numbers) width = std::max(width, member.row.size() + 1);
         for (std::size_t row = 0; row <= lobes_of_numbers(model); ++row)
-            for (const auto& of : Kind<M>::numbers)
-                if (of.of_lobe() == (row > 0)) {
+            for (const auto& member : Kind<M>::numbers)
+                if (member.of_lobe() == (row > 0)) {
                     const std::size_t lobe = std::max<std::size_t>(row, 1) - 1;
-                    text += fmt::format("  {:<{}}{:.4g}\n", of.row, width,
-                                        fmt::join(numbers_of(model, of, lobe, lobe + 1), "  "));
+                    text += fmt::format("  {:<{}}{:.4g}\n", member.row, width,
+                                        fmt::join(numbers_of(model, member, lobe, lobe + 1), "  "));
                 }
     }
     static Parameters members(const M& model) {
         Parameters numbers = parameters(model);
         for (std::size_t i = 0; i < numbers.size(); ++i)
-            if (const auto& of = Kind<M>::numbers[i]; !of.of_lobe() && of.count() == 1)
+            if (const auto& member = Kind<M>::numbers[i]; !member.of_lobe() && member.count() == 1)
                 std::get<NumberArray>(numbers[i].value).shape.clear();
         return {{"form", std::string(Kind<M>::name)},
                 {"lobes", std::max(1, int(lobes_of_numbers(model)))},
@@ -175,31 +176,33 @@ template <typename M> struct KindOfNumbers {
     }
     /// A member in code: "x", or "Vec3(r, g, b)".
     template <typename Lobe>
-    static std::string text_of(const M& model, const Member<M, Lobe>& of, const NumberText& text,
+    static std::string text_of(const M& model, const Member<M, Lobe>& member, const NumberText& text,
                                std::size_t lobe = 0) {
         std::vector<std::string> numbers;
-        for (int c = 0; c < of.count(); ++c)
+        for (int c = 0; c < member.count(); ++c)
             numbers.push_back(
-                text(number(model, of, c, lobe), of.name, lobe * std::size_t(of.count()) + std::size_t(c)));
-        return of.count() > 1 ? fmt::format("Vec3({})", fmt::join(numbers, ", ")) : numbers[0];
+                text(number(model, member, c, lobe), member.name, lobe * std::size_t(member.count()) + std::size_t(c)));
+        return member.count() > 1 ? fmt::format("Vec3({})", fmt::join(numbers, ", ")) : numbers[0];
     }
     /// True if one of its names is there.
     static bool matches(const ParameterReader& reader) {
-        return std::ranges::any_of(Kind<M>::numbers, [&](const auto& of) { return reader.has(of.name); });
+        return std::ranges::any_of(Kind<M>::numbers, [&](const auto& member) { return reader.has(member.name); });
     }
     static Parameters parameters(const M& model) {
         Parameters all;
-        for (const auto& of : Kind<M>::numbers) all.push_back({std::string(of.name), array_of(model, of)});
+        for (const auto& member : Kind<M>::numbers) all.push_back({std::string(member.name), array_of(model, member)});
         return all;
     }
     static M from_parameters(ParameterReader& reader) {
         M model;
-        for (const auto& of : Kind<M>::numbers) {
-            const char* const colour = of.of_lobe() ? "L3" : "3";
-            const auto numbers = reader.numbers(of.name, of.count() > 1 ? colour : of.of_lobe() ? "L" : "1");
+        for (const auto& member : Kind<M>::numbers) {
+            const char* const colour = member.of_lobe() ? "L3" : "3";
+            const auto numbers = reader.numbers(member.name, member.count() > 1 ? colour
+                                                             : member.of_lobe() ? "L"
+                                                                                : "1");
             if constexpr (requires { model.lobes; }) model.lobes.resize(reader.length('L'));
             for (std::size_t i = 0; i < numbers.size(); ++i)
-                number(model, of, int(i) % of.count(), i / std::size_t(of.count())) = numbers[i];
+                number(model, member, int(i) % member.count(), i / std::size_t(member.count())) = numbers[i];
         }
         return model;
     }

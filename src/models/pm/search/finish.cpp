@@ -100,7 +100,7 @@ std::optional<AlbedoBound> albedo_bound(const PmFitOptions& options) {
     return AlbedoBound(limit, options.axial ? 1 : k_azimuths);
 }
 
-/// A round: `steps(problem, x)`, then rounding. `lobes` become those of the steps.
+/// Runs a round: `steps(problem, x)`, then rounding. `lobes` receives the lobes after the steps.
 template <typename Steps>
 PmFit fit_round(const Observations& observations, Lobes& lobes, const RowOptions& terms, const Steps& steps) {
     const Rows rows(observations, terms);

@@ -1,4 +1,3 @@
-
 #include "models/pm/search/fit_pm.h"
 
 #include <bit>
@@ -47,8 +46,8 @@ Result<Done> validate(const Observations& observations, const PmFitOptions& opti
     return validate(observations, parameter_count(options));
 }
 
-/// Some of the perturbations of a fit: those of the first `fraction` of the starts, at least `least` if there are as
-/// many, on the rows of `pairs`, until each candidate has had the share `until` of the options' number.
+/// A stage of the perturbations of a fit. The first `fraction` of the starts, at least `least` if there are as many,
+/// are perturbed on the rows of `pairs` until each candidate has had the share `until` of the options' number.
 struct Perturbations {
     Pairs pairs;
     double fraction, until;
@@ -104,14 +103,14 @@ class Fit {
   public:
     /// The candidates are those of the options' starts, or the lobes of `begin`.
     Fit(const Observations& observations, const PmFitOptions& options, const PmModel* begin, Reporter& reporter)
-        : observations_(observations), options_(options), reporter_(reporter), grown_(begin) {
+        : observations_(observations), options_(options), reporter_(reporter), begins_from_model_(begin) {
         candidates_.resize(begin ? 1 : std::size_t(starts_of(options)));
         for (std::size_t start = 0; start < candidates_.size(); ++start) candidates_[start].start = int(start);
         if (begin) candidates_[0].lobes = to_lobes(*begin, shape_of(options));
     }
 
-    /// With pairs and albedos only. A candidate after the best one is finished only if its error is at most 1 % larger:
-    /// the last steps lower the loss by 1 to 4 %.
+    /// Fits with pairs and albedos only. A candidate after the best one is finished only if its error is at most 1 %
+    /// larger: the last steps lower the loss by 1 to 4 %.
     PmFit by_pairs() {
         grow();
         perturb(k_by_pairs);
@@ -124,7 +123,7 @@ class Fit {
         return finish(3, {.integral_importance = subsets_.integral_importance()});
     }
 
-    /// With pictures. The best candidate after all steps is nearly always among the best ones after three.
+    /// Fits with pictures. The best candidate after all steps is nearly always among the best ones after three.
     PmFit by_pictures() {
         grow();
         perturb(k_by_pictures);
@@ -153,7 +152,7 @@ class Fit {
             [&](LobeProblem& problem, Candidate& candidate) { srbf::grow(problem, options_, candidate, reporter_); });
     }
     void perturb(std::span<const Perturbations> all) {
-        if (grown_) return;
+        if (begins_from_model_) return;
         for (const Perturbations& some : all) {
             keep(count_of(some, options_));
             add_exceeded_pairs();
@@ -210,7 +209,7 @@ class Fit {
     const Observations& observations_;
     const PmFitOptions& options_;
     Reporter& reporter_;
-    bool grown_;
+    bool begins_from_model_;
     std::vector<Candidate> candidates_;
     Work work_ = planned_work(observations_, options_);
     Subsets subsets_{observations_, search_pairs(observations_, options_)};

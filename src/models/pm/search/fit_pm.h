@@ -21,16 +21,16 @@ struct PmFitOptions {
     /// floats.
     double finest = 0;
     /// Number of starts: independent growths of J lobes. The best four are polished and one to three of them
-    /// finished. For appearance, pictures choose among all of them, and one is finished, or an eighth where pictures
-    /// are far off. Default: 16, or 12 for 8 lobes and more.
+    /// finished. For appearance, pictures choose among the better half; one is finished, or an eighth of the starts
+    /// for noisy tables and where pictures are far off. Default: 16 for up to 6 lobes, falling to 12 for 8 and more.
     std::optional<int> starts = {};
     /// Maximum number of perturbations of a candidate. Each replaces the least useful lobe; every fourth one
     /// replaces the least useful variate instead. All starts get a fifth of the perturbations, the better half
-    /// another three tenths, and the best quarter the remaining half. For appearance, all starts get 0.12 of them, and the better half, at
-    /// least six, another 0.16.
+    /// another three tenths, and the best quarter the remaining half. For appearance, all starts get 0.12 of
+    /// them, and the better half, at least six, another 0.16.
     /// Default: 45 for up to 5 lobes, falling to 25 for 8 and more.
     std::optional<int> perturbations = {};
-    /// Both numbers are multiplied by it; at least one start remains.
+    /// A factor of the numbers of starts and perturbations; at least one start remains.
     double effort = 1;
     /// Limit on the directional albedo in every channel, to cosθv = 0.001; infinity: there is none. None: 1 in a
     /// reciprocal form, infinity in others.
@@ -55,8 +55,8 @@ struct PmFit : Fitted<PmModel> {
 Result<PmFit> fit_pm(const Observations& observations, const PmFitOptions& options, const ProgressToken& progress = {},
                      const PmModel* begin = nullptr);
 
-/// `fit`, of the colours of these spectral observations or of what fills the gaps between them, with spectra fitted to
-/// the observations. Lobes and colours remain.
+/// Fits spectra to the observations for the lobes of `fit`, a fit to their colours or to the gap-filled table. Lobes
+/// and colours remain.
 PmFit with_spectra(PmFit fit, const Observations& observations, const PmFitOptions& options);
 
 inline LobeShape shape_of(const PmFitOptions& options) {

@@ -94,7 +94,7 @@ void perturb(LobeProblem& problem, const PmFitOptions& options, int until, Candi
 void polish(LobeProblem& problem, const PmFitOptions& options, int steps, Candidate& candidate) {
     optimise(problem, candidate, candidate.lobes, steps);
     std::mt19937_64 random = generator(options.seed, candidate.start, 1);
-    // A lobe may become useless on more rows than those on which it was found.
+    // A lobe that was found on fewer rows may be useless on these.
     for (int attempt = 0; attempt < k_polish_attempts && has_useless_lobe(candidate); ++attempt)
         replace_lobe(problem, options, candidate, random);
 }

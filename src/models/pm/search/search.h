@@ -32,9 +32,9 @@ void perturb(LobeProblem& problem, const PmFitOptions& options, int until, Candi
 /// Optimises on more rows by `steps` steps, and replaces lobes that become useless there.
 void polish(LobeProblem& problem, const PmFitOptions& options, int steps, Candidate& candidate);
 
-/// Optimises the lobes on all observations, with these terms, and rounds them. Bound pairs that the rounded model exceeds become
-/// observations for the next round, until the model exceeds none. With spectral observations the lobes then get
-/// spectra.
+/// Optimises the lobes on all observations, with these terms, and rounds them. Bound pairs that the rounded model
+/// exceeds become observations for the next round, until the model exceeds none. With spectral observations the lobes
+/// then get spectra.
 PmFit finish(Lobes lobes, Observations observations, const RowOptions& terms, const PmFitOptions& options,
              const Reporter& reporter);
 

@@ -236,8 +236,8 @@ void exponentiate(const float* x, const float* root_weight, float offset, float*
 void combine(std::span<const float> weight, std::span<const float* const> s, float* x, std::size_t count) {
     HWY_DYNAMIC_DISPATCH(combine)(weight, s, x, count);
 }
-void combine(std::span<const float> weight, std::span<const float* const> s, const float* factor, float* x,
-             std::size_t count) {
+void combine_and_multiply(std::span<const float> weight, std::span<const float* const> s, const float* factor, float* x,
+                          std::size_t count) {
     HWY_DYNAMIC_DISPATCH(combine_and_multiply)(weight, s, factor, x, count);
 }
 void add(const float* a, const float* b, float* out, std::size_t count) { HWY_DYNAMIC_DISPATCH(add)(a, b, out, count); }

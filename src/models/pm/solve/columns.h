@@ -21,8 +21,8 @@ void exponentiate(const float* x, const float* root_weight, float offset, float*
 /// x = Σ_n weight[n] s[n].
 void combine(std::span<const float> weight, std::span<const float* const> s, float* x, std::size_t count = k_block);
 /// x = factor Σ_n weight[n] s[n].
-void combine(std::span<const float> weight, std::span<const float* const> s, const float* factor, float* x,
-             std::size_t count = k_block);
+void combine_and_multiply(std::span<const float> weight, std::span<const float* const> s, const float* factor, float* x,
+                          std::size_t count = k_block);
 /// out = a + b.
 void add(const float* a, const float* b, float* out, std::size_t count = k_block);
 /// out = a b.

@@ -106,7 +106,7 @@ void DerivativeGram::fill_angle(std::size_t block, Eigen::Index n, Aligned<float
                     weights[std::size_t(j)] = float(columns_.lobes(s, j) * x_[N_ + j * W_ + k]);
                     parts[std::size_t(j)] = basis_.part(block, int(j), side);
                 }
-                combine(weights, parts, basis_.by_angle(block, int(k), side), product, count);
+                combine_and_multiply(weights, parts, basis_.by_angle(block, int(k), side), product, count);
                 add(column, product, column, count);
             }
     }

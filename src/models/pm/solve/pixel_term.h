@@ -12,7 +12,7 @@ struct CoefficientTerms {
         : H(Eigen::MatrixXd::Zero(count, count)),
           across(Eigen::MatrixXd::Zero(variables, count)),
           g(Eigen::VectorXd::Zero(count)) {}
-    Eigen::MatrixXd H, across;       ///< Hessian; mixed derivatives by variables and coefficients
+    Eigen::MatrixXd H, across;       ///< the Hessian; the mixed derivatives by variables and coefficients
     Eigen::VectorXd g;               ///< half the gradient
     std::vector<Eigen::Index> free;  ///< indices of coefficients strictly between their bounds
     /// Changes the variables' Hessian and gradient to those of a sum to which the free coefficients adapt.
@@ -23,13 +23,13 @@ struct CoefficientTerms {
 /// not quadratic in the coefficients and couples the channels.
 struct PixelTerm {
     using ByChannel = std::array<const float*, 3>;
-    /// Adds to the columns of the variables what lobe j contributes to the derivatives of one component.
-    /// `lobe_derivative` is the component's derivative by the value of the lobe.
+    /// Adds the contribution of lobe j to the derivatives of one component, which are the columns of the variables.
+    /// `lobe_derivative` is the derivative of the component by the value of the lobe.
     using AddByLobe =
         std::function<void(std::size_t block, Eigen::Index j, const float* lobe_derivative, float* columns)>;
 
     const Pixels& pixels;
-    double cost_per_pixel = 0;  ///< cost of a pixel
+    double cost_per_pixel = 0;
     bool parallel = false;
     std::function<const float*(std::size_t block, Eigen::Index j)> lobe;  ///< values of lobe j in a block of pixels
 
@@ -51,7 +51,7 @@ struct PixelTerm {
                              double& term) const;
 };
 
-/// Colours of a block of pixels, Σ_j β_jc values[j]; they point into `columns`.
+/// Returns the colours Σ_j β_jc values[j] of a block of pixels. The result points into `columns`.
 Pixels::Colours combine_colours(const Eigen::MatrixXd& beta, std::span<const float* const> values,
                                 Aligned<float>& columns, std::size_t count = k_block);
 
@@ -64,7 +64,7 @@ class PixelMoments {
 
     /// Computes the moments of all pixels; `with_derivatives` adds Σ light E_j times each factor.
     void evaluate(bool with_derivatives);
-    /// importance × the mean over pixels.
+    /// The term of these pixels, which is the importance times the mean over pixels.
     PixelTerm term();
     /// The derivatives of the lobes at x.
     PixelTerm::AddByLobe derivatives(const Eigen::VectorXd& x);

@@ -1,9 +1,9 @@
-// Time of a value, a density, both, and a sample with density and weight: of the library, of srbf_runtime.h and of
-// exported C, which gcc and clang compile for any x86-64 and for AVX2. The models are the default fit of the bundled
-// vinyl film and its fit as measured. The library is also timed with each instruction set of this machine: for default
-// fits of the five RGL files, for fits of the film as measured and by Lambert with one and two GGX lobes, and for its
-// table. Pairs are random, up to 80° from the normal. A thousand are timed together, so that microseconds are the
-// nanoseconds of one; `least` is the least of fifteen runs.
+// These benchmarks time a value, a density, both in one call, and a sample with density and weight. They compare the
+// library, srbf_runtime.h, and exported C, which gcc and clang compile for any x86-64 and for AVX2. The models are the
+// default fit of the bundled vinyl film and its fit as measured. The library is also timed with each instruction set of
+// this machine, for default fits of the five RGL files, for fits of the film as measured and by Lambert with one and
+// two GGX lobes, and for the film's table. Pairs are random, up to 80° from the normal. A thousand are timed together,
+// so the microseconds of all are the nanoseconds of one. `least` is the least of fifteen runs.
 #include <benchmark/benchmark.h>
 #include <dlfcn.h>
 #include <fmt/format.h>
@@ -25,7 +25,7 @@
 namespace srbf {
 namespace {
 
-constexpr int k_pairs = 1000;  // the µs of all are the ns of one
+constexpr int k_pairs = 1000;  // so that the µs of all are the ns of one
 struct Pairs {
     std::vector<Vec3f> wl, wv, u;
     std::vector<float> results = std::vector<float>(k_pairs);
@@ -49,7 +49,7 @@ Pairs& pairs() {
     return all;
 }
 
-/// A function of all pairs that stores a number of each; it has `first` (wl, or of samples u) and wv.
+/// A function that stores one number for each pair. `first` has wl, or u for samples.
 using Run = void (*)(const void* brdf, int count, const float* first, const float* wv, float* results);
 constexpr const char* k_names[] = {"value", "density", "both", "sample"};
 
@@ -112,7 +112,7 @@ void add(const std::string& name, std::size_t k, Run run, const void* brdf, Targ
         ->ComputeStatistics("least", [](const std::vector<double>& times) { return std::ranges::min(times); });
 }
 
-/// A model with the memory of srbf_runtime.h, which lasts as long as the program.
+/// Adds the benchmarks of a model. Its memory for srbf_runtime.h lasts as long as the program.
 void add_model(const std::string& name, const Model& model, const TemporaryFolder& folder) {
     static std::vector<PreparedBrdf> prepared;
     prepared.reserve(2), prepared.push_back(prepare(model, ProposeOptions{}));
@@ -155,7 +155,7 @@ void add_model(const std::string& name, const Model& model, const TemporaryFolde
     }
 }
 
-/// A model or a measurement, with each instruction set.
+/// Adds the benchmarks of a model or a measurement with each instruction set.
 template <typename B> void add_library(const std::string& name, const B& brdf) {
     static std::list<PreparedBrdf> prepared;
     for (const Target target : hwy::SupportedAndGeneratedTargets()) {

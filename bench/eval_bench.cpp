@@ -1,5 +1,6 @@
-// Time of one evaluation of models by kernel.glsl and of tables. The column Time is ns for the RGB value of one pair of
-// directions on one thread. The pairs are random, so that all of a table is accessed, as by a path tracer.
+// These benchmarks time one evaluation of models by kernel.glsl and of tables. The column Time has the ns for the RGB
+// value of one pair of directions on one thread. The pairs are random, so that all of a table is accessed, as by a path
+// tracer.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

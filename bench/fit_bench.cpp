@@ -1,6 +1,6 @@
-// Time of a fit of the bundled measurements: milliseconds from a loaded measurement to a rounded model, and for each
-// stage, and the squared error ratio at held-out pairs. Then the default fit and the view-by-view fit, called in a
-// process's initial floating-point mode and in a mode that flushes subnormal numbers.
+// These benchmarks time fits of the bundled measurements. They print the milliseconds from a loaded measurement to a
+// rounded model and for each stage, and the squared error ratio at held-out pairs. The last ones call the default fit
+// and the view-by-view fit in a process's initial floating-point mode and in a mode that flushes subnormal numbers.
 #include <benchmark/benchmark.h>
 
 #include <chrono>

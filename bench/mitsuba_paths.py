@@ -1,12 +1,13 @@
-"""mitsuba_paths.py PROGRAM PLUGINS FILE.bsdf...: times and noise of paths in Mitsuba 3, scalar_rgb, with its own materials and with those of the
-compiled plugin of examples/mitsuba. PROGRAM is `srbf`, PLUGINS the folder in which the plugin was built, FILE an RGL file.
+"""mitsuba_paths.py PROGRAM PLUGINS FILE.bsdf...: compares times and noise of paths in Mitsuba 3, scalar_rgb, with its materials and those of
+the compiled plugin of examples/mitsuba. PROGRAM is `srbf`, PLUGINS the folder in which the plugin was built, FILE an RGL file.
 
 A ball on a floor of the same material fills the picture; a window and a sky, or an environment, light it. For each material:
-  - microseconds of processor time of a path of one vertex and of at most five, the least of RUNS; each vertex asks for a value and its density
+  - microseconds of processor time of a path of one vertex and of at most five, the least of RUNS; each vertex computes a value and its density
     in the direction of a sampled light, and samples the material
-  - the relative variance of a path of at most five vertices, of luminance, and its product with the time: twice, as the mean variance of the
-    pixels over the square of their mean, where bright ones count most, and as the mean over the pixels of their relative variances
-  - the mean of the picture, and its distance from that of `measured` in units of their noise, RMS over pixels: about 1 for the same material.
+  - the relative variance of the luminance of a path of at most five vertices, and its product with the time, in two ways: the mean variance of
+    the pixels over the square of their mean, where bright pixels count most, and the mean over the pixels of their relative variances
+  - the mean of the picture, and its distance from the mean of `measured` in units of their noise, RMS over pixels; it is about 1 for the same
+    material.
 `measured` takes the first direction of a file for the viewer, so light and viewer are exchanged for srbf; its default fit is reciprocal.
 
 With --picture TO.jpg before PROGRAM it draws `measured`, the default and Lambert with GGX after equal time instead; below them are the file
@@ -30,7 +31,8 @@ import seen  # noqa: E402
 
 SIZE, PATHS, RUNS = 256, 16, 5
 EQUAL, CONVERGED, DARKEST = 8, 64, 40  # of a picture: paths of `measured`, runs without visible noise, the ΔE_ITP that is drawn black
-Y, SQUARE = 4, 7  # of the channels that `moment` writes
+# Indices of the channels of `moment` that have the luminance and its square.
+Y, SQUARE = 4, 7
 ENVIRONMENT = pathlib.Path(__file__).resolve().parent.parent / "data/studio.hdr"
 
 
@@ -82,9 +84,9 @@ def materials_of(program, file, folder):
 
 def compare(materials, lights):
     scenes = {name: [scene_of(bsdf, lights, vertices) for vertices in (1, 5)] for name, bsdf in materials.items()}
-    runs = [[[drawn(scene, run) for scene in of] for of in scenes.values()] for run in range(RUNS)]
-    times = np.array([[[took for took, _ in of] for of in run] for run in runs]).min(0) * 1e6 / (SIZE * SIZE * PATHS)
-    mean, square = (np.mean([[of[1][1][..., i] for of in run] for run in runs], axis=0) for i in (3, 4))
+    runs = [[[drawn(scene, run) for scene in group] for group in scenes.values()] for run in range(RUNS)]
+    times = np.array([[[took for took, _ in group] for group in run] for run in runs]).min(0) * 1e6 / (SIZE * SIZE * PATHS)
+    mean, square = (np.mean([[group[1][1][..., i] for group in run] for run in runs], axis=0) for i in (3, 4))
     variance = np.maximum(square - mean**2, 1e-9 * mean**2) * RUNS * PATHS / (RUNS * PATHS - 1)  # squares are rounded
     measured = list(materials).index("measured")
     for i, name in enumerate(materials):
@@ -116,7 +118,7 @@ def draw_equal_time(materials, to):
         noisy = drawn(scenes[i], CONVERGED, paths)[1][..., :4]
         noise = np.sqrt(((noisy / converged[i] - 1)[..., 3] ** 2).mean())
         add(i, 0, seen.displayed(noisy[..., :3], exposed), f"{label}:\n{paths} paths in equal time, noise {100 * noise:.0f} %")
-        apart = np.linalg.norm(np.subtract(*(seen.itp(np.clip(exposed * of, 0, 1)) for of in (converged[i, ..., :3], file))), axis=-1)
+        apart = np.linalg.norm(np.subtract(*(seen.itp(np.clip(exposed * picture, 0, 1)) for picture in (converged[i, ..., :3], file))), axis=-1)
         print(f"{label}: {1e6 * seconds[i] / (SIZE * SIZE * PATHS):.2f} us, {paths} paths, noise {noise:.3f}, visible error {apart.mean():.1f}", flush=True)
         grey = np.repeat(255 - 255 * np.minimum(apart / DARKEST, 1), 3).reshape(SIZE, SIZE, 3).astype(np.uint8)
         add(i, 1, grey if i else seen.displayed(file, exposed),

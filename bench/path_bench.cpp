@@ -1,8 +1,8 @@
-// Time of a path-traced picture: the ball on its ground in the bundled studio, 256 × 192 pixels, 4 paths per pixel of
-// at most 8 bounces, on one thread. The material is the bundled vinyl film: its fit of 208 bytes, its view-by-view fit,
-// the measurement, and a table of MERL's layout. `evaluation_percent` is the share of time for f: the time that a
-// second evaluation of each f adds. Then ns for a sample and a density of the proposals, and the time to make
-// proposals.
+// These benchmarks time a path-traced picture of the ball on its ground in the bundled studio: 256 × 192 pixels, 4
+// paths per pixel of at most 8 bounces, on one thread. The material is the bundled vinyl film: its fit of 208 bytes,
+// its view-by-view fit, the measurement, and a table of MERL's layout. `evaluation_percent` is the share of time for f,
+// measured as the time that a second evaluation of each f adds. Other benchmarks give the ns for a sample and a density
+// of the proposals, and the time to make proposals.
 #include <benchmark/benchmark.h>
 
 #include <ctime>
@@ -121,7 +121,7 @@ template <typename P> void density_of_one(benchmark::State& state, const P& prop
         i = (i + 1) % samples().u.size();
     }
 }
-/// Both together, as path tracing does.
+/// Draws a sample and computes its density in one call, as path tracing does.
 template <typename P> void draw_and_density_of_one(benchmark::State& state, const P& proposal) {
     std::size_t i = 0;
     for (auto _ : state) {
@@ -130,7 +130,7 @@ template <typename P> void draw_and_density_of_one(benchmark::State& state, cons
         i = (i + 1) % samples().u.size();
     }
 }
-/// Value and density of the prepared fit apart, and in one call.
+/// Computes value and density of the prepared fit by `call`.
 template <typename Call> void both_of_pm(benchmark::State& state, const Call& call) {
     const PreparedBrdf brdf = prepare(Model{film_pm(), {}}, ProposeOptions{});
     std::size_t i = 0;

@@ -1,12 +1,14 @@
-"""pbrt_paths.py PBRT SRBF FILE: agreement, times and noise of paths in pbrt-v4 with the material of examples/pbrt and with pbrt's own. PBRT is a pbrt
-that has the material, SRBF the program `srbf`, FILE a measurement, for example an RGL file.
+"""pbrt_paths.py PBRT SRBF FILE: compares agreement, times and noise of paths in pbrt-v4 with the material of examples/pbrt and with pbrt's materials.
+
+PBRT is a pbrt that has the material, SRBF the program `srbf`, FILE a measurement, for example an RGL file.
 The scene is examples/pbrt/ball.pbrt. Its materials are `diffuse`; the default fit of FILE, by `srbf` and as a table by
 `measured`; and FILE itself, a table of light and viewer exchanged, by `srbf` with "exchange" and by `measured`. For each one it prints:
-  - the start, seconds of processor time of a picture of one path a pixel, the least of RUNS
-  - microseconds of processor time of a path more, those that miss the ball among them: by the difference to PATHS paths a pixel
-  - the relative variance of a path in the ball, of luminance: twice, as the mean variance of the pixels over the square of their mean, where bright
-    ones count most, and as the mean over the pixels of their relative variances.
-Then it prints for fit and file the relative difference of both pictures, RMS over squares of 8 x 8 pixels and colours, and what noise alone gives.
+  - the start: seconds of processor time of a picture with one path per pixel, the least of RUNS
+  - microseconds of processor time of one more path, from the difference to a picture with PATHS paths per pixel; some paths miss the ball
+  - the relative variance of a path's luminance in the ball, in two ways: the mean variance of the pixels over the square of their mean, where bright
+    pixels count most, and the mean over the pixels of their relative variances.
+Then it prints for fit and file the relative difference of both pictures, RMS over squares of 8 x 8 pixels and colours, and the difference that noise
+alone makes.
 
 Use one core: taskset -c 1 python3 bench/pbrt_paths.py .. Needs numpy."""
 import pathlib
@@ -50,8 +52,8 @@ def drawn(pbrt, material, paths, seed, folder):
 
 
 def compare(name, ours, theirs):
-    ours, theirs = (of.reshape(RUNS, SIZE // SQUARE, SQUARE, SIZE // SQUARE, SQUARE, 3).mean((2, 4)) for of in (ours, theirs))
-    apart = (ours - theirs) / theirs.mean(0)  # of each run: both materials have the same seeds
+    ours, theirs = (picture.reshape(RUNS, SIZE // SQUARE, SQUARE, SIZE // SQUARE, SQUARE, 3).mean((2, 4)) for picture in (ours, theirs))
+    apart = (ours - theirs) / theirs.mean(0)  # for each run, in which both materials have the same seeds
     distance, noise = np.sqrt((apart.mean(0) ** 2).mean()), np.sqrt(apart.var(0, ddof=1).mean() / RUNS)
     print(f"{name}: apart {100 * distance:.2f} %, by noise alone {100 * noise:.2f} %")
 

@@ -1,4 +1,4 @@
-// Time to read files of the databases' sizes, from memory and on one thread.
+// These benchmarks time how long it takes to read files of the databases' sizes, from memory and on one thread.
 #include <benchmark/benchmark.h>
 
 #include "srbf/convert.h"

@@ -1,5 +1,5 @@
-// Time of the view-by-view model's stages, for the bundled vinyl film with objective raw and 1536 directions: the raw
-// matrix, the stages of the fit, writing the file, building the index texture, evaluation.
+// These benchmarks time the stages of the view-by-view model, for the bundled vinyl film with objective raw and 1536
+// directions: the raw matrix, the stages of the fit, writing the file, building the index texture, and evaluation.
 #include <benchmark/benchmark.h>
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// Runs the program in this process, and checks what it promises for every run.
+// Runs the program in this process, and checks its promises for every run.
 #pragma once
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -54,7 +54,7 @@ class OutputCapture {
   public:
     explicit OutputCapture(const std::string& file)
         : file_(file), out_(redirect(1, "/dev/null")), error_(redirect(2, file.c_str())) {}
-    /// Restores both. Returns the text of standard error.
+    /// Restores both streams, and returns the text of standard error.
     std::string end() const {
         std::fflush(stdout), std::fflush(stderr);
         ::dup2(out_, 1), ::dup2(error_, 2);

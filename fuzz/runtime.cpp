@@ -2,7 +2,7 @@
 #include "../test/runtime_use.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) {
-    state = 88172645463325252ull;  // an input alone decides
+    state = 88172645463325252ull;  // so that the input alone decides
     use_file(data, size, size > 0 && data[size - 1] % 64 == 0);
     return 0;
 }

@@ -139,7 +139,7 @@ inline void check_header(std::span<const std::byte> header) {
     check_model(file);
 }
 
-/// Checks a map as `check_model` does a model.
+/// Checks that a map can be written and read again, as `check_model` does for a model.
 inline void check_map(std::span<const std::byte> bytes) {
     const auto map = read_map(bytes, "f");
     if (!map) return check_error(map.error());
@@ -247,8 +247,8 @@ struct Use {
     std::vector<std::string> words;
     std::string extension;
 };
-/// Commands on a file. `slow` are exports of the page, of three.js, of Blender, of OSL and of code with additional functions,
-/// and conversions; `quick` are the other exports.
+/// Commands on a file. `slow` are exports of the page, of three.js, of Blender, of OSL and of code with additional
+/// functions, and conversions; `quick` are the other exports.
 struct Uses {
     std::vector<Use> quick, slow;
 };
@@ -314,7 +314,7 @@ inline void check_uses(std::span<const std::byte> bytes) {
         require(!has_bad_number(text), line + "numbers are finite");
         std::filesystem::remove(folder.path() / out);
     };
-#ifdef SRBF_FUZZ_TARGET  // a fuzzer should try many files
+#ifdef SRBF_FUZZ_TARGET  // A fuzzer should try many files.
     const std::size_t chosen = sum / 8 % (uses.quick.size() + uses.slow.size());
     run(chosen < uses.quick.size() ? uses.quick[chosen] : uses.slow[chosen - uses.quick.size()]);
 #else
@@ -355,7 +355,7 @@ inline const NamedTarget k_targets[] = {
 
 namespace srbf {
 
-/// All targets: those above, those of extras, and the readers of other formats, named like "astm_e1392".
+/// All targets: the ones above, the targets of extras, and the readers of other formats, named like "astm_e1392".
 inline std::vector<NamedTarget> all_targets() {
     std::vector<NamedTarget> all(std::begin(k_targets), std::end(k_targets));
     for (const std::span<const NamedTarget> extra : k_extra_targets) all.insert(all.end(), extra.begin(), extra.end());

@@ -50,14 +50,15 @@ constexpr std::size_t k_step = 61;
 TEST(Allocations, ThatFailEndAReader) {
     const auto folders = corpora();
     for (const NamedTarget& target : all_targets()) {
-        if (target.name == "uses") continue;  // no reader, but the program
+        if (target.name == "uses") continue;  // this target runs the program, not a reader
         for (const auto& entry : fs::directory_iterator(folders.at(target.name))) {
             const std::string bytes = contents(entry.path());
             const auto file = std::as_bytes(std::span(bytes));
             const auto read = [&] {
                 try {
 #ifdef SRBF_RENDER
-                    // Read alone: what draws a mesh has destructors that allocate too.
+                    // The input is only read, because the functions that draw a mesh have destructors that allocate
+                    // too.
                     if (target.name == "ply")
                         (void)bool(read_ply(file, "f"));
                     else if (target.name == "obj")

@@ -1,4 +1,4 @@
-// Exported code of BSDFs is what compilers accept, and computes on both sides what the library computes.
+// Compilers accept the exported code of BSDFs, and its values in reflection and transmission are the library's.
 #include "brdf/parts.h"
 #include "compiled_code.h"
 #include "models.h"

@@ -169,7 +169,7 @@ TEST(Bsdf, SamplesFollowTheDensity) {
     }
 }
 
-/// A BRDF is the same on both sides, and drawn as ever.
+/// A BRDF is the same on both sides, and its samples are those of the BRDF alone.
 TEST(Bsdf, SamplesOfABrdfAreThoseOfTheBrdf) {
     std::mt19937_64 random(3);
     const Model model{random_model(random, {}), {}};
@@ -201,8 +201,8 @@ TEST(Bsdf, ReadsCsvOfBothSides) {
     EXPECT_PRED3(near, value(*measured, up, above).r, 1, 1e-6);
     EXPECT_PRED3(near, value(*measured, down, below).r, 2, 1e-6);
     EXPECT_PRED3(near, value(*measured, up, below).r, 3, 1e-6);
-    EXPECT_PRED3(near, value(*measured, below, up).r, 3, 1e-6);  // by reciprocity
-    // Without the comment what is below the horizon is masked.
+    EXPECT_PRED3(near, value(*measured, below, up).r, 3, 1e-6);  // follows from reciprocity
+    // Without the comment values below the horizon are masked.
     const auto front = read_measured(as_bytes(text.substr(text.find('\n') + 1)), "f");
     ASSERT_TRUE(front.ok());
     EXPECT_EQ(std::get<ScatteredSamples>(front->table).masked, 3u);

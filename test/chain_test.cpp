@@ -27,9 +27,9 @@ class Chain : public CommandLine {
 
 TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
     std::mt19937_64 random(1);
-    BsdfModel two = full_bsdf();  // of four parts two: each file of samples is fitted part by part
+    BsdfModel two = full_bsdf();  // it has two of four parts, because each file of samples is fitted part by part
     two.part[std::size_t(Part::reflection_back)] = two.part[std::size_t(Part::transmission_back)] = nullptr;
-    two.beam = {};  // which tables of samples cannot hold
+    two.beam = {};  // tables of samples cannot hold beams
     const Model pm{random_model(random, {.lobes = 2, .variates = 2}), {}}, bsdf{two, {}},
         su{random_su(random, 8, 2), {}}, ggx{GgxModel{{0.1f, 0.1f, 0.1f}, {{0.4f, {0.5f, 0.1f, 0.1f}, 1}}}, {}},
         spectral{spectral_model(random, {.lobes = 2}, 3), {}};
@@ -65,7 +65,7 @@ TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
         Arguments again{"convert", file, "-o", "again.csv"};
         if (!file.ends_with(".csv")) again.insert(again.end(), {"--directions", "3"});
         done(again);
-        if (file == "both.csv") continue;  // scattered samples of two sides, whose pictures and fits take seconds
+        if (file == "both.csv") continue;  // pictures and fits of scattered samples of two sides take seconds
         if (is_offered({"render"})) done({"render", file, "-o", "x.png", "--size", "4x4", "--spp", "1"});
         if (file.find("srbf") != file.npos && file.find(".csv") == file.npos)
             done({"export", file, "--to", "c", "-o", "x.h"});

@@ -58,8 +58,9 @@ inline bool is_offered(const Arguments& arguments) {
         const Arguments all = words(text);
         return std::set<std::string>(all.begin(), all.end());
     }();
-    return std::ranges::all_of(arguments,
-                               [](const std::string& of) { return !extras.contains(of) || offered.contains(of); });
+    return std::ranges::all_of(arguments, [](const std::string& argument) {
+        return !extras.contains(argument) || offered.contains(argument);
+    });
 }
 
 /// A MERL file of a smooth glossy material.

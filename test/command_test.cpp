@@ -346,7 +346,7 @@ TEST_F(WithModel, surfaces_are_exported_for_other_programs) {
     // The coat widens the highlight of the base, as coats of other programs do not: (0.2⁴ + 2 · 0.5⁴)^(1/4).
     EXPECT_PRED3(near, material["pbrMetallicRoughness"]["roughnessFactor"].get<double>(), 0.5955, 1e-3);
 
-    // Binary glTF: its header, the text, and the same binary data as the other file.
+    // Binary glTF has a header, the text, and the same binary data as the other file.
     const std::string glb = exported("glb");
     const auto uint32_at = [&](std::size_t offset) {
         std::uint32_t x = 0;

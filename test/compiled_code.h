@@ -36,7 +36,8 @@ class WrittenCode : public testing::Test {
         return path(name);
     }
 
-    /// Compiles C or C++ to a library, which is loaded until the test ends. Null, and a failure of the test, on errors.
+    /// Compiles C or C++ to a library, which is loaded until the test ends. After an error the result is null and the
+    /// test fails.
     void* compiled(const std::string& compiler, const std::string& name, const std::string& text,
                    const std::string& level = "-O1") {
         const std::string source = written(name + ".c", text), file = path(name + ".so");
@@ -56,7 +57,7 @@ class WrittenCode : public testing::Test {
     testing::AssertionResult compiles_as_glsl(const std::string& name, const std::string& text) const {
         return glslang("", name, text);
     }
-    /// The same for HLSL. Writes NAME.spv.
+    /// Returns true if glslang accepts a shader in HLSL, and writes NAME.spv.
     testing::AssertionResult compiles_as_hlsl(const std::string& stage, const std::string& name,
                                               const std::string& text) const {
         return glslang(fmt::format("-D -V -S {} -e main -o '{}'", stage, path(name + ".spv")), name + ".hlsl", text);

@@ -6,7 +6,7 @@
 
 namespace srbf {
 
-/// Skips the test without such a context.
+/// Skips the test if the machine has no such context.
 class InEachDialect : public testing::TestWithParam<Dialect> {
   protected:
     void SetUp() override {

@@ -1,4 +1,5 @@
-// Elementary functions against those of `long double`, at the ends of their ranges, and where quadrants meet.
+// Compares elementary functions with the functions of `long double`, at the ends of their ranges, and where quadrants
+// meet.
 #include "srbf/elementary.h"
 
 #include <limits>

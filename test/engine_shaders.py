@@ -1,7 +1,7 @@
 """Shaders for engines that no test runs compile with stand-ins for the engines' names: python3 test/engine_shaders.py GLSLANG.
 
 The stand-ins have the types that the engines' documentation gives. URP's Light lacks its direction, which is `half`. The shader for Unity
-is compiled by its passes and stages, as HLSL; that for Godot as GLSL. test/hosts/engine_shaders.py runs both.
+is compiled by its passes and stages, as HLSL; that for Godot as GLSL. test/hosts/drawn_engine_shaders.py runs both.
 """
 import os
 import re

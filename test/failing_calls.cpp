@@ -1,6 +1,6 @@
-// Lets one system call or allocation of a program fail: loaded before the C library, LD_PRELOAD. From main() on, call number
-// SRBF_FAIL_AT (from 0) of the kind SRBF_FAIL_CALL fails with the number SRBF_FAIL_ERROR, kills the program if that is 0, or
-// stops it before the call if that is -1.
+// Lets one system call or allocation of a program fail. LD_PRELOAD loads this library before the C library. From main()
+// on, call number SRBF_FAIL_AT (from 0) of the kind SRBF_FAIL_CALL fails with the number SRBF_FAIL_ERROR, kills the
+// program if that is 0, or stops it before the call if that is -1.
 // At the end the number of calls of the kind is written to SRBF_FAIL_COUNT.
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -24,7 +24,7 @@ const char* kind = "";
 long fails_at = -1;
 int error = 0;
 
-/// Whether this call has to fail; errno is set if so.
+/// Returns true if this call has to fail, and sets errno then.
 bool fails(const char* call) {
     if (!armed || std::strcmp(call, kind) != 0 || calls++ != fails_at) return false;
     if (error == 0) ::kill(::getpid(), SIGKILL);
@@ -65,7 +65,7 @@ int __libc_start_main(Main* main, int argc, char** argv, void (*init)(), void (*
     return original<Start>("__libc_start_main")(armed_main, argc, argv, init, fini, loader_fini, stack_end);
 }
 
-// Memory: by the names that glibc has for it, since looking up a name allocates.
+// Calls for memory use glibc's internal names, because looking up a name allocates.
 void* __libc_malloc(std::size_t);
 void* __libc_calloc(std::size_t, std::size_t);
 void* __libc_realloc(void*, std::size_t);

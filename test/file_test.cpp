@@ -1,4 +1,5 @@
-// Whole files: round trips, and errors that leave what was there. A full disk: failures_test.cpp.
+// Files that are written and read whole: round trips, and errors that leave the old file. failures_test.cpp has a full
+// disk.
 #include "srbf/file.h"
 
 #include <unistd.h>

@@ -1,4 +1,4 @@
-// A thin sphere in even light: what a model of both sides sends to its viewer.
+// The light that a thin sphere of a BSDF in even light sends to its viewer.
 #pragma once
 #include "properties.h"
 #include "srbf/metrics.h"
@@ -28,15 +28,15 @@ inline double furnace(const PreparedBsdf& bsdf, double theta, int bounces) {
     }
     return sum / k_paths;
 }
-/// Its mean over the disc that the viewer sees.
+/// The mean of that light over the disc that the viewer sees.
 inline double furnace(const PreparedBsdf& bsdf, int bounces) {
     constexpr int k_rings = 16;
     double sum = 0;
     for (int i = 0; i < k_rings; ++i) sum += furnace(bsdf, elementary::acos(std::sqrt((i + 0.5) / k_rings)), bounces);
     return sum / k_rings;
 }
-/// Expects of the light that a model sends to its viewer in even light: after one bounce the sum of its parts' albedos
-/// and beams; in all no more than that, since it is not brighter within than around it.
+/// Expects that a model in even light sends its viewer the sum of its parts' albedos and beams after one bounce. In all
+/// it sends no more than that, because the inside of the sphere is not brighter than its surroundings.
 inline double expect_furnace(const Model& model) {
     const auto& bsdf = std::get<BsdfModel>(model.model);
     const PreparedBsdf prepared = prepare_bsdf(model, {.threads = 1});

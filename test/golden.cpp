@@ -1,6 +1,6 @@
 // golden DATA TABLE [--instructions NAME | --older [--every]] [--threads N] [--only ROW] [--write]
 //
-// Fits of every kind, compared with a table of hashes of their models and figures, which are the same on every
+// Compares fits of every kind with a table of hashes of their models and figures, which are the same on every
 // processor. DATA is the folder of the bundled measurements. --older runs with the processor's older instruction
 // sets, with some rows or, with --every, all of them. --write replaces the table, for changes that intentionally
 // change fits. This is a separate program so that it runs wherever the library does.
@@ -318,8 +318,8 @@ int run(const std::vector<std::string>& arguments) {
             limit_to(sets[i]);
             golden.threads = i == 1 ? 7 : 1;
             std::printf("%s, %d threads\n", sets[i].c_str(), golden.threads);
-            // Fits with narrow vectors are slow: the next older set runs the default fit and a row of each kind that has
-            // loops of its own for each set, the next one fewer, the rest one.
+            // Fits with narrow vectors are slow: the next older set runs the default fit and a row of each kind that
+            // has loops of its own for each set, the next one fewer, the rest one.
             const std::vector<std::string> selected{"film-lights", "film-3-general", "paper-reciprocal", "film-views",
                                                     "film-openpbr"};
             const std::ptrdiff_t count = every ? std::ssize(rows()) : i == 1 ? std::ssize(selected) : i == 2 ? 3 : 1;

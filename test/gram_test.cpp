@@ -282,7 +282,7 @@ TEST_P(Gram, AddGramAddsProductsUpToTheDiagonal) {
     add_gram({}, none.data());
 }
 
-/// The results of all loops for the same random columns.
+/// The results of all loops for one set of random columns.
 std::vector<double> all_results(const Rows& rows) {
     std::mt19937_64 random(3);
     std::vector<double> results;

@@ -348,7 +348,7 @@ const std::string k_texts[] = {"\"\"\"\nimport os; os._exit(1) #",
                                "<b>&amp;'-->]]></script><script>alert(1)</script>{{title}}`${b}`"};
 constexpr std::size_t k_fields = std::size(k_texts);
 
-/// Metadata with those texts, or harmless ones. Field 0 has text `first`.
+/// Metadata with hostile or harmless texts. Field 0 has text `first`.
 std::map<std::string, std::string> metadata(std::size_t first, bool harmless) {
     constexpr std::array<const char*, k_fields> fields{"source",      "surface",   "objective",
                                                        "delta_e_itp", "max_theta", "xx"};

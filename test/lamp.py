@@ -59,4 +59,4 @@ def apart(picture, of_model):
 def beside(of_model, pictures):
     """The model's picture and those of hosts in a row, 8-bit sRGB, with the exposure of the first."""
     by = exposure(of_model[points()[0]])
-    return np.concatenate([displayed(of, by) for of in (of_model, *pictures)], axis=1)
+    return np.concatenate([displayed(picture, by) for picture in (of_model, *pictures)], axis=1)

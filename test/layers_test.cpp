@@ -16,7 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 const fs::path k_root = SRBF_SOURCE_DIR;
 
-// Folders in increasing level. A folder may include its own files and those of lower levels, and no other of its level.
+// Folders in increasing level. A folder may include its own files and files of lower levels, and no other folder of its
+// level.
 const std::vector<std::vector<std::string>> k_levels{
     {"src/base"},
     {"src/brdf"},
@@ -118,9 +119,9 @@ TEST(Layers, TypesDeclaredAheadAreOfLowerFolders) {
     const std::regex declared("\n(?:struct|class) ([A-Za-z]+);"), defined("\n(?:struct|class) ([A-Za-z]+) [^;\n]*\\{");
     std::map<std::string, int> level_of_type;
     std::map<fs::path, std::string> texts;
-    const auto names_in = [](const std::string& text, const std::regex& of) {
+    const auto names_in = [](const std::string& text, const std::regex& pattern) {
         std::vector<std::string> names;
-        for (std::sregex_iterator match(text.begin(), text.end(), of), end; match != end; ++match)
+        for (std::sregex_iterator match(text.begin(), text.end(), pattern), end; match != end; ++match)
             names.push_back((*match)[1]);
         return names;
     };

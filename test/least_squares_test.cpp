@@ -149,7 +149,7 @@ Exponentials two_exponentials(double noise = 0) {
 }
 const LevenbergMarquardtOptions k_precise{.max_iterations = 200, .decrease_tolerance = 1e-14};
 
-// Variables that are not at a bound minimise the problem given those that are.
+// Variables that are not at a bound minimise the problem, given the variables that are.
 TEST(AdaptToBounds, SolvesAgainForFreeVariables) {
     std::mt19937_64 random(7);
     int at_bounds = 0;

@@ -184,7 +184,7 @@ TEST(Lobes, LossIncludesPictures) {
         }
     EXPECT_TRUE(near_relative(loss, pair_loss + 0.01 * picture_loss / pixels, 2e-3));
     EXPECT_TRUE(near_relative(problem.delta_e(), delta_e / pixels, 1e-3));
-    // Pictures influence the coefficients: those of the pairs alone have a larger visible error.
+    // Pictures influence the coefficients: coefficients of the pairs alone have a larger visible error.
     const Rows negligible(o, {.picture_importance = 1e-9});
     LobeProblem without_pictures(negligible, {PmForm::gaussian, 3}, false);
     without_pictures.loss(x);

@@ -26,10 +26,10 @@ std::string tests_of(std::string_view file) {
 int main(int count, char** arguments) {
     testing::InitGoogleTest(&count, arguments);
     constexpr std::string_view option = "--of=";
-    const std::string_view of = count == 2 ? arguments[1] : "";
-    if (count > 1 && !of.starts_with(option)) return 2;
+    const std::string_view selection = count == 2 ? arguments[1] : "";
+    if (count > 1 && !selection.starts_with(option)) return 2;
     if (count == 2) {
-        const std::string tests = tests_of("/" + std::string(of.substr(option.size())) + "_test.cpp");
+        const std::string tests = tests_of("/" + std::string(selection.substr(option.size())) + "_test.cpp");
         if (tests.empty()) return 2;
         // A filter of what not to run holds among them; another one takes their place.
         std::string& filter = testing::GTEST_FLAG(filter);

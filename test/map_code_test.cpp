@@ -87,8 +87,8 @@ Rgb mean(const TexelMap& map, const std::vector<std::size_t>& texels, const Pair
     }
     return sum;
 }
-void expect_near(const Rgb& found, const Rgb& expected, float relative, const std::string& of) {
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], relative * expected[c] + 1e-30f) << of;
+void expect_near(const Rgb& found, const Rgb& expected, float relative, const std::string& texel) {
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], relative * expected[c] + 1e-30f) << texel;
 }
 
 class MapCode : public WrittenCode {};
@@ -282,9 +282,9 @@ std::vector<std::array<float, 4>> answers_of(GLuint program, const std::vector<s
     std::array<GLuint, 2> buffers;
     glGenBuffers(2, buffers.data());
     for (GLuint i = 0; i < 2; ++i) {
-        const auto& of = i == 0 ? questions : answers;
+        const auto& numbers = i == 0 ? questions : answers;
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, i, buffers[i]);
-        glBufferData(GL_SHADER_STORAGE_BUFFER, GLsizeiptr(16 * of.size()), of.data(), GL_STATIC_DRAW);
+        glBufferData(GL_SHADER_STORAGE_BUFFER, GLsizeiptr(16 * numbers.size()), numbers.data(), GL_STATIC_DRAW);
     }
     glUseProgram(program);
     glDispatchCompute(GLuint(answers.size() / 64), 1, 1);
@@ -307,9 +307,9 @@ TEST_F(MapCode, FilteredTexturesAreMeansOfBrdfs) {
         bind_layers(map);
         std::vector<std::array<float, 4>> questions;
         for (const Place& place : all)
-            for (const Pair& of : at) {
-                questions.push_back({of.wl.x, of.wl.y, of.wl.z, 0});
-                questions.push_back({of.wv.x, of.wv.y, of.wv.z, 0});
+            for (const Pair& pair : at) {
+                questions.push_back({pair.wl.x, pair.wl.y, pair.wl.z, 0});
+                questions.push_back({pair.wv.x, pair.wv.y, pair.wv.z, 0});
                 questions.push_back(place.uv);
             }
         const auto answers = answers_of(program, questions);

@@ -1,4 +1,4 @@
-// MBSDF tables: look-up, metadata, NVIDIA's car paints, and what is refused.
+// MBSDF tables: look-up, metadata, NVIDIA's car paints, and invalid files.
 #include "measured/readers.h"
 #include "measured/tables.h"
 #include "measured_files.h"

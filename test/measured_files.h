@@ -96,7 +96,7 @@ inline FieldToWrite& field(std::vector<FieldToWrite>& fields, const std::string&
     throw std::out_of_range(name);
 }
 
-/// The same with spectra at three wavelengths instead of colours: at w the spectrum (w_x, w_y, w_x − ½).
+/// The same fields with spectra at three wavelengths instead of colours. The spectrum at w is (w_x, w_y, w_x − ½).
 inline std::vector<FieldToWrite> spectral_rgl() {
     auto fields = simple_rgl();
     field(fields, "rgb").name = "spectra";
@@ -159,7 +159,7 @@ inline Bytes mbsdf_file(const std::string& lines, const std::vector<Bytes>& bloc
     return bytes;
 }
 
-/// Small MBSDF files: one of colours, some of them negative, and a grey one with transmission.
+/// Small MBSDF files. One has colours, some of them negative; the other is grey and has transmission.
 inline Bytes small_mbsdf() {
     return mbsdf_file("material=\"blue \\\"paint\\\"\"\n",
                       {mbsdf_block("MBSDF_DATA_REFLECTION=", 3, 4, 3,
@@ -205,7 +205,7 @@ inline std::vector<Reference> read_reference(const std::filesystem::path& path) 
     return rows;
 }
 
-/// A direction, with probability ¼ within a degree of the horizon or of the normal.
+/// A random direction. With probability ¼ it is within a degree of the horizon or of the normal.
 inline Vec3f direction_to_the_ends(std::mt19937_64& random) {
     const double pick = uniform(random);
     if (pick < 0.125) return to_float(spherical(k_pi / 2 - uniform(random) * k_degree, 7 * uniform(random)));

@@ -1,4 +1,4 @@
-// Tables of half and difference angles: what they answer at, between and beyond their nodes.
+// Tables of half and difference angles: their values at, between and beyond the nodes.
 #include "measured/angles.h"
 #include "measured/readers.h"
 #include "measured/tables.h"

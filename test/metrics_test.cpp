@@ -1,4 +1,4 @@
-// The error measures against closed forms, and what makes them trustworthy.
+// Compares the error measures with closed forms, and tests the properties that make them trustworthy.
 #include "srbf/metrics.h"
 #include "errors/measures.h"
 
@@ -259,7 +259,8 @@ TEST(Albedo, ComparesOnlyAnglesWithinTheCap) {
     EXPECT_EQ(albedo_error(evaluator(white), evaluator(glossy), 10 * k_degree), std::abs(b - a) / a);
 }
 
-// A peak about the mirror direction of a view near the horizon, narrower still in azimuth, whose albedo has closed form.
+// A peak about the mirror direction of a view near the horizon, narrower still in azimuth, whose albedo has closed
+// form.
 TEST(Metrics, AlbedosOfNarrowHighlightsAreExact) {
     for (const double c : {0.2, 0.05, 0.01}) {
         const double w = 0.1 * c, turn = 0.01 * c;  // half widths of the peak in cosθl and azimuth

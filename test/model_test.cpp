@@ -1,4 +1,4 @@
-// Models and their files: what is written is read, in the bytes that are promised.
+// Models and their files: a file has the promised bytes, and reading it gives the written model.
 #include "srbf/model.h"
 
 #include <nlohmann/json.hpp>

@@ -44,7 +44,7 @@ inline PmModel random_model(std::mt19937_64& random, const RandomModelOptions& o
     return model;
 }
 
-/// The same with coefficients at this many wavelengths.
+/// The same model with coefficients at this many wavelengths.
 inline PmModel spectral_model(std::mt19937_64& random, const RandomModelOptions& options, int wavelengths) {
     PmModel model = random_model(random, options);
     for (int c = 0; c < wavelengths; ++c) model.wavelength.push_back(400 + 10.25f * float(c));
@@ -73,7 +73,7 @@ inline std::shared_ptr<const Model> random_part(std::uint64_t seed, const Random
     return std::make_shared<const Model>(Model{model, {}});
 }
 
-/// A BSDF of four different models, with beams.
+/// A BSDF of four models of different kinds, with beams.
 inline BsdfModel full_bsdf(double most_bandwidth = 30) {
     BsdfModel bsdf;
     const PmForm form = PmForm::horizon;

@@ -63,7 +63,7 @@ TEST(Noise, IsEstimated) {
     EXPECT_EQ(share_of(noise_of([](auto, auto, std::span<Rgb> f) { std::ranges::fill(f, Rgb{}); })), 0);
 }
 
-/// Noise as large as what it hides: a sixth of the values are below 0.
+/// Noise as large as the values, of which a sixth are below 0.
 TEST(Noise, DoesNotBiasAFit) {
     const Measured& truth = bundled("paper_white_rgb");
     Fitter fitter(with_noise(truth, 0.28f));

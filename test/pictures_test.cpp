@@ -146,7 +146,7 @@ TEST(DeltaEItp, OfKnownColours) {
     EXPECT_EQ(delta_e_itp({0.2f, 0.3f, 0.4f}, {0.2f, 0.3f, 0.4f}), 0);
     EXPECT_TRUE(
         near(delta_e_itp({0.2f, 0.3f, 0.4f}, {0.5f, 0.1f, 0}), delta_e_itp({0.5f, 0.1f, 0}, {0.2f, 0.3f, 0.4f}), 1e-9));
-    // Hue counts: the same luminance in red and in green is far apart.
+    // Hue counts: red and green of one luminance are far apart.
     EXPECT_GT(delta_e_itp({0.5f, 0, 0}, {0, 0.1486f, 0}), 100);
 }
 

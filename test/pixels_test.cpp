@@ -103,8 +103,8 @@ TEST(Pixels, SlopeIsThatOfTheError) {
         const Triplet at = one.other[p];
         Triplet slope{}, difference{};
         for (std::size_t c = 0; c < 3; ++c) {
-            for (std::size_t of = 0; of < 3; ++of)
-                slope[c] += 2 * double(slopes.jacobian_of(of)[c][p]) * double(slopes.residual(of)[p]);
+            for (std::size_t component = 0; component < 3; ++component)
+                slope[c] += 2 * double(slopes.jacobian_of(component)[c][p]) * double(slopes.residual(component)[p]);
             const double step = 1e-5 * at[c];
             Triplet more = at, less = at;
             more[c] += step, less[c] -= step;
@@ -115,9 +115,9 @@ TEST(Pixels, SlopeIsThatOfTheError) {
     }
     // Nothing is seen beyond the last pixel.
     for (std::size_t p = one.reference.size(); p < k_block; ++p)
-        for (std::size_t of = 0; of < 3; ++of) {
-            EXPECT_EQ(slopes.residual(of)[p], 0);
-            for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(slopes.jacobian_of(of)[c][p], 0);
+        for (std::size_t component = 0; component < 3; ++component) {
+            EXPECT_EQ(slopes.residual(component)[p], 0);
+            for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(slopes.jacobian_of(component)[c][p], 0);
         }
 }
 

@@ -85,7 +85,7 @@ std::vector<AnyBrdf> all_kinds() {
             add(folder);
     return list;
 }
-/// Pairs with a direction that is not above the horizon. With `on_sides`, that direction is on neither side of the
+/// Pairs with a direction that is not above the horizon. If `two_sided`, that direction is on neither side of the
 /// surface.
 std::vector<Pair> pairs_without_value(bool two_sided) {
     constexpr float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();

@@ -17,7 +17,8 @@ struct ProgramRun {
     std::string out, err;
 };
 
-/// Starts the program with `arguments` in `folder`, with its standard output and error in these files. Returns 0 if it did not start.
+/// Starts the program with `arguments` in `folder`, with its standard output and error in these files. Returns 0 if it
+/// did not start.
 inline pid_t start(const TemporaryFolder& folder, const std::vector<std::string>& arguments, const std::string& out,
                    const std::string& err) {
     const std::string program = SRBF_PROGRAM;

@@ -18,8 +18,8 @@ foreach(level -O0 -O1)
   test_options(tests_main${level} ${level})
 endforeach()
 
-# Readers of files under sanitizers, in every build whose compiler has them: a program that links these objects takes
-# the rest of the library as it is.
+# Readers of files are compiled with sanitizers in every build whose compiler has them. A program that links these objects
+# uses the rest of the library as it is.
 include(CheckCXXSourceCompiles)
 set(CMAKE_REQUIRED_FLAGS -fsanitize=address,undefined)
 check_cxx_source_compiles("int main() {}" SRBF_HAS_SANITIZERS)
@@ -62,7 +62,7 @@ function(tests noun labels)
     add_test(NAME ${test} COMMAND ${program} --of=${test})
     test_labels(${test} ${labels})
   endforeach()
-  if("program" IN_LIST labels)  # they run it, but are compiled before it is linked
+  if("program" IN_LIST labels)  # the tests run the program, but are compiled before it is linked
     set_property(TARGET ${program} PROPERTY LINK_DEPENDS $<TARGET_FILE:srbf_app>)
   endif()
   if("input" IN_LIST labels)
@@ -80,7 +80,7 @@ function(browser_test name program test filter)
   set_property(TEST ${test} APPEND PROPERTY ENVIRONMENT GTEST_FILTER=-${filter})
 endfunction()
 
-# sanitized_filter(TEST FILTER): leaves long tests out under sanitizers that read no input which another one does not read.
+# sanitized_filter(TEST FILTER): leaves long tests out under sanitizers, if other tests read the same input.
 function(sanitized_filter test filter)
   if(SRBF_SANITIZE)
     set_property(TEST ${test} PROPERTY ENVIRONMENT "GTEST_FILTER=${filter}")

@@ -239,7 +239,7 @@ TEST(Rgl, BatchesAgreeWithSingleValues) {
     }
 }
 
-/// Along the normal, which has no azimuth, a table has the mean of what it has about it.
+/// Along the normal, which has no azimuth, the value of a table is the mean over the azimuths near it.
 TEST(Tables, HaveTheirMeanAlongTheNormal) {
     MbsdfTable mbsdf;
     mbsdf.polar = 4, mbsdf.azimuths = 5;

@@ -1,4 +1,4 @@
-// srbf_runtime.h, compiled as C: its values are the library's, its densities those of its samples, and no file is
+// srbf_runtime.h, compiled as C: its values are the library's, its densities describe its samples, and no file is
 // unsafe.
 #include <filesystem>
 #include <map>
@@ -93,12 +93,12 @@ class RuntimeHeader : public WrittenCode {
     static std::vector<Case> cases(const Runtime& runtime) {
         std::vector<Case> all;
         for (const fs::path& file : model_files()) {
-            Case& of = all.emplace_back(Case{file.stem().string(), *load_model(file.string()), {}, {}, nullptr});
-            of.bytes = *read_file(file.string());
-            of.memory.resize(runtime.memory_needed(of.bytes.data(), of.bytes.size()));
-            const int error =
-                runtime.open(of.bytes.data(), of.bytes.size(), of.memory.data(), of.memory.size(), &of.brdf, nullptr);
-            EXPECT_EQ(error, 0) << of.name;
+            Case& opened = all.emplace_back(Case{file.stem().string(), *load_model(file.string()), {}, {}, nullptr});
+            opened.bytes = *read_file(file.string());
+            opened.memory.resize(runtime.memory_needed(opened.bytes.data(), opened.bytes.size()));
+            const int error = runtime.open(opened.bytes.data(), opened.bytes.size(), opened.memory.data(),
+                                           opened.memory.size(), &opened.brdf, nullptr);
+            EXPECT_EQ(error, 0) << opened.name;
         }
         return all;
     }
@@ -106,7 +106,7 @@ class RuntimeHeader : public WrittenCode {
     static const std::vector<Case>& prepared_cases(const Runtime& runtime) {
         static const std::vector<Case> all = [&] {
             std::vector<Case> made = cases(runtime);
-            for (const Case& of : made) runtime.prepare(of.brdf);
+            for (const Case& opened : made) runtime.prepare(opened.brdf);
             return made;
         }();
         return all;
@@ -126,15 +126,15 @@ TEST_F(RuntimeHeader, EqualsTheReadyFile) {
 TEST_F(RuntimeHeader, ValuesAreThoseOfTheLibrary) {
     for (const char* options : {"", "-DSRBF_ONE_LANE"}) {
         const Runtime& runtime = compiled_runtime(options);
-        for (const Case& of : cases(runtime)) {
-            if (!of.brdf) continue;
+        for (const Case& opened : cases(runtime)) {
+            if (!opened.brdf) continue;
             std::mt19937_64 random(1);
             for (int i = 0; i < 2000; ++i) {
                 const Vec3f wl = direction(random, i), wv = i % 3 ? direction(random, i) : mirror(wl);
-                const Rgb expected = value(of.model, wl, wv), found = value(runtime, of.brdf, wl, wv);
+                const Rgb expected = value(opened.model, wl, wv), found = value(runtime, opened.brdf, wl, wv);
                 for (int c = 0; c < 3; ++c)
                     ASSERT_TRUE(near(found[c], expected[c], 1e-4 * double(expected[c]) + 1e-6))
-                        << of.name << options << ": " << found[c] << " for " << expected[c];
+                        << opened.name << options << ": " << found[c] << " for " << expected[c];
             }
         }
     }
@@ -149,16 +149,16 @@ TEST_F(RuntimeHeader, IsTheSameWithFastMath) {
     for (const auto& [compiler, options] : k_fast) {
         if (!runs(fmt::format("which {}", compiler))) continue;
         const Runtime& fast = compiled_runtime(options, compiler);
-        for (const Case& of : prepared_cases(exact)) {
+        for (const Case& opened : prepared_cases(exact)) {
             std::mt19937_64 random(3);
             for (int i = 0; i < 500; ++i) {
                 const Vec3f wl = direction(random, i), wv = i % 3 ? direction(random, i) : mirror(wl);
                 Rgb f, found;
-                const float density = exact.value_pdf(of.brdf, &wl.x, &wv.x, &f.r),
-                            found_density = fast.value_pdf(of.brdf, &wl.x, &wv.x, &found.r);
+                const float density = exact.value_pdf(opened.brdf, &wl.x, &wv.x, &f.r),
+                            found_density = fast.value_pdf(opened.brdf, &wl.x, &wv.x, &found.r);
                 for (int c = 0; c < 3; ++c)
-                    ASSERT_TRUE(near(found[c], f[c], 1e-4 * double(f[c]) + 1e-6)) << of.name << compiler << options;
-                ASSERT_TRUE(near(found_density, density, 1e-4 * density + 1e-6)) << of.name << compiler << options;
+                    ASSERT_TRUE(near(found[c], f[c], 1e-4 * double(f[c]) + 1e-6)) << opened.name << compiler << options;
+                ASSERT_TRUE(near(found_density, density, 1e-4 * density + 1e-6)) << opened.name << compiler << options;
             }
         }
     }
@@ -170,15 +170,15 @@ TEST_F(RuntimeHeader, IsZeroWhereADirectionIsNotAboveTheSurface) {
         constexpr float nan = std::numeric_limits<float>::quiet_NaN(),
                         infinity = std::numeric_limits<float>::infinity();
         const Vec3f up{0, 0.6f, 0.8f};
-        for (const Case& of : cases(runtime))
+        for (const Case& opened : cases(runtime))
             for (const Vec3f w :
                  {Vec3f{1, 0, 0}, Vec3f{1, 0, 1e-40f}, Vec3f{nan, 0, 1}, Vec3f{0, 0, nan}, Vec3f{0, 0, infinity}})
                 for (const auto& [wl, wv] : {std::pair(w, up), std::pair(up, w)}) {
-                    EXPECT_EQ(value(runtime, of.brdf, wl, wv), Rgb{}) << of.name;
-                    EXPECT_EQ(pdf(runtime, of.brdf, wl, wv), 0) << of.name;
+                    EXPECT_EQ(value(runtime, opened.brdf, wl, wv), Rgb{}) << opened.name;
+                    EXPECT_EQ(pdf(runtime, opened.brdf, wl, wv), 0) << opened.name;
                     Rgb f{1, 1, 1};
-                    EXPECT_EQ(runtime.value_pdf(of.brdf, &wl.x, &wv.x, &f.r), 0) << of.name;
-                    EXPECT_EQ(f, Rgb{}) << of.name;
+                    EXPECT_EQ(runtime.value_pdf(opened.brdf, &wl.x, &wv.x, &f.r), 0) << opened.name;
+                    EXPECT_EQ(f, Rgb{}) << opened.name;
                 }
     }
 }
@@ -198,15 +198,15 @@ TEST_F(RuntimeHeader, SamplesFollowTheirDensity) {
     std::mt19937_64 random(2);
     const std::vector<Case>& all = prepared_cases(runtime);
     const int tests = 4 * int(all.size());
-    for (const Case& of : all) {
+    for (const Case& opened : all) {
         for (const double z : {1.0, 0.5, 0.1, -0.4}) {
-            if (z < 0 && !std::holds_alternative<BsdfModel>(of.model.model)) continue;
+            if (z < 0 && !std::holds_alternative<BsdfModel>(opened.model.model)) continue;
             const Vec3f wv = to_float(spherical(std::acos(z), 0.3));
             PolarBins bins{to_double(mirror(wv)), {0}};
             for (const double t : {1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 0.01, 0.05, 0.15, 0.3, 0.5, 0.8, 1.2, 2.0})
                 bins.edge.push_back(t);
             std::vector<double> expected =
-                bins.masses([&](Vec3d wl) { return double(pdf(runtime, of.brdf, to_float(wl), wv)); });
+                bins.masses([&](Vec3d wl) { return double(pdf(runtime, opened.brdf, to_float(wl), wv)); });
             std::vector<double> observed(expected.size() + 1);
             double rest = draws, weights = 0;
             for (double& mass : expected) rest -= mass *= draws;
@@ -214,50 +214,51 @@ TEST_F(RuntimeHeader, SamplesFollowTheirDensity) {
             for (int i = 0; i < draws; ++i) {
                 const float u[3] = {float(uniform(random)), float(uniform(random)), float(uniform(random))};
                 Light light;
-                runtime.sample(of.brdf, &wv.x, u, &light);
+                runtime.sample(opened.brdf, &wv.x, u, &light);
                 observed[light.pdf > 0 ? bins.index(to_double(light.wl)) : expected.size() - 1] += 1;
                 if (!(light.pdf > 0)) continue;
-                const float density = pdf(runtime, of.brdf, light.wl, wv);
-                ASSERT_TRUE(near(light.pdf, density, 1e-3 * density)) << of.name;
+                const float density = pdf(runtime, opened.brdf, light.wl, wv);
+                ASSERT_TRUE(near(light.pdf, density, 1e-3 * density)) << opened.name;
                 Rgb f;
-                ASSERT_EQ(runtime.value_pdf(of.brdf, &light.wl.x, &wv.x, &f.r), density) << of.name;
+                ASSERT_EQ(runtime.value_pdf(opened.brdf, &light.wl.x, &wv.x, &f.r), density) << opened.name;
                 const double cosine = std::abs(double(light.wl.z));
                 ASSERT_TRUE(
                     near(light.weight.g, double(f.g) * cosine / double(density), 2e-3 * double(light.weight.g) + 1e-6));
                 weights += double(light.weight.g);
             }
-            EXPECT_GT(chi2_p_value(observed, expected), sidak(0.01, tests)) << of.name << " at " << z;
-            if (!has_one_albedo(of.model)) continue;
+            EXPECT_GT(chi2_p_value(observed, expected), sidak(0.01, tests)) << opened.name << " at " << z;
+            if (!has_one_albedo(opened.model)) continue;
             Rgb albedo;
-            runtime.albedo(of.brdf, float(z), &albedo.r);
-            EXPECT_TRUE(near(weights / draws, albedo.g, 0.05 * double(albedo.g) + 0.002)) << of.name << " at " << z;
-            EXPECT_LT(expected.back(), 0.1 * draws) << of.name << " at " << z;
+            runtime.albedo(opened.brdf, float(z), &albedo.r);
+            EXPECT_TRUE(near(weights / draws, albedo.g, 0.05 * double(albedo.g) + 0.002)) << opened.name << " at " << z;
+            EXPECT_LT(expected.back(), 0.1 * draws) << opened.name << " at " << z;
         }
     }
 }
 
 TEST_F(RuntimeHeader, AlbedosAreThoseOfTheLibrary) {
     const Runtime& runtime = compiled_runtime("");
-    for (const Case& of : prepared_cases(runtime)) {
-        if (!has_one_albedo(of.model)) continue;
-        const PreparedBrdf prepared = prepare(of.model, CosineProposal{});
+    for (const Case& opened : prepared_cases(runtime)) {
+        if (!has_one_albedo(opened.model)) continue;
+        const PreparedBrdf prepared = prepare(opened.model, CosineProposal{});
         for (const float z : {1.f, 0.8f, 0.5f, 0.2f}) {
             const Rgb expected = albedo(prepared, z);
             Rgb found;
-            runtime.albedo(of.brdf, z, &found.r);
+            runtime.albedo(opened.brdf, z, &found.r);
             for (int c = 0; c < 3; ++c)
-                EXPECT_TRUE(near(found[c], expected[c], 0.03 * double(expected[c]) + 0.002)) << of.name << " " << z;
+                EXPECT_TRUE(near(found[c], expected[c], 0.03 * double(expected[c]) + 0.002)) << opened.name << " " << z;
         }
     }
 }
 
 TEST_F(RuntimeHeader, ReturnsTheMemoryThatItNeeds) {
     const Runtime& runtime = compiled_runtime("");
-    for (const Case& of : cases(runtime))
-        for (std::size_t capacity = 0; capacity + 32 < of.memory.size(); capacity += of.memory.size() / 16) {
+    for (const Case& opened : cases(runtime))
+        for (std::size_t capacity = 0; capacity + 32 < opened.memory.size(); capacity += opened.memory.size() / 16) {
             std::vector<std::byte> memory(capacity);
             Opened* brdf = nullptr;
-            EXPECT_NE(runtime.open(of.bytes.data(), of.bytes.size(), memory.data(), capacity, &brdf, nullptr), 0);
+            EXPECT_NE(runtime.open(opened.bytes.data(), opened.bytes.size(), memory.data(), capacity, &brdf, nullptr),
+                      0);
             EXPECT_EQ(brdf, nullptr);
         }
     EXPECT_EQ(runtime.memory_needed("no model", 8), 0u);
@@ -266,12 +267,12 @@ TEST_F(RuntimeHeader, ReturnsTheMemoryThatItNeeds) {
 // Every truncation is an error that lies within the file.
 TEST_F(RuntimeHeader, RefusesEveryTruncation) {
     const Runtime& runtime = compiled_runtime("");
-    for (const Case& of : cases(runtime))
-        for (std::size_t size = 0; size < of.bytes.size(); ++size) {
-            std::vector<std::byte> memory(of.memory.size());
+    for (const Case& opened : cases(runtime))
+        for (std::size_t size = 0; size < opened.bytes.size(); ++size) {
+            std::vector<std::byte> memory(opened.memory.size());
             Opened* brdf = nullptr;
             std::size_t offset = 0;
-            EXPECT_NE(runtime.open(of.bytes.data(), size, memory.data(), memory.size(), &brdf, &offset), 0);
+            EXPECT_NE(runtime.open(opened.bytes.data(), size, memory.data(), memory.size(), &brdf, &offset), 0);
             EXPECT_LE(offset, size);
         }
 }

@@ -323,7 +323,8 @@ TEST(ScatteredSamples, MaskMissingValues) {
     EXPECT_EQ(
         masked(read_alta, "#DIM 3 1\n#PARAM_IN ISOTROPIC_TV_TL_DPHI\n0.1 0.1 0 -99\n0.1 0.2 0 -99\n0.2 0.2 0 1\n"), 2u);
     EXPECT_EQ(masked(read_cornell, "2\n500 600\n0.1 0 0.1 0 -999 -999\n0.1 0 0.2 0 1 1\n"), 1u);
-    // A peak that occurs once, a saturated plateau, noise around 0, also quantised; an out-of-gamut colour at a highlight.
+    // A peak that occurs once, a saturated plateau, noise around 0, also quantised; an out-of-gamut colour at a
+    // highlight.
     EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"9999", "0.2", "0.3", "0.2"})), 0u);
     EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"9999", "9999", "9998", "0.2"})), 0u);
     EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"-1", "1", "3", "0", "2"})), 0u);
@@ -381,7 +382,7 @@ TEST(Formats, MasksNumbersThatStandForNoValue) {
     EXPECT_EQ(samples.notes.size(), 1u);
 }
 
-/// Other encodings of a text are the same, and other files are called what they are.
+/// A text is read in other encodings too, and errors name the type of other files.
 TEST(Formats, OtherEncodingsAndFilesAreRecognised) {
     const std::string text = "theta_i (°),theta_o (°),phi (°),brdf\n10,20,30,1\n20,30,40,2\n";
     const auto expected = read(read_csv, text);

@@ -25,7 +25,7 @@ def exposure(reference):
 def delta_e(picture, reference):
     """Mean ΔE_ITP of pixels [n, 3], linear, exposed for the reference and clipped at white."""
     by = exposure(reference)
-    a, b = (itp(np.clip(by * of, 0, 1)) for of in (picture, reference))
+    a, b = (itp(np.clip(by * image, 0, 1)) for image in (picture, reference))
     return float(np.sqrt(((a - b)**2).sum(axis=1)).mean())
 
 

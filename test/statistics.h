@@ -33,7 +33,7 @@ inline double upper_gamma_ratio(double a, double x) {
 }
 
 /// Pearson's p-value: the probability that random counts differ from these expectations by more than the observed ones.
-/// Bins with an expectation below five are pooled. 0 if anything is NaN or the sums do not agree.
+/// Bins with an expectation below five are pooled. Returns 0 if anything is NaN or the sums do not agree.
 inline double chi2_p_value(std::span<const double> observed, std::span<const double> expected) {
     double chi2 = 0, few_observed = 0, few_expected = 0, total_observed = 0, total_expected = 0;
     int bins = 0;

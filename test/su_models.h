@@ -18,8 +18,8 @@ inline SuModel random_su(std::mt19937_64& random, int views, int lobes) {
     return model;
 }
 
-/// A model invariant under rotation of its views: the lobes of a view are those of azimuth 0 rotated to its own, and
-/// vary linearly with its elevation.
+/// A model invariant under rotation of its views: the lobes of a view are the lobes of azimuth 0, rotated to its
+/// azimuth, and vary linearly with its elevation.
 inline SuModel isotropic_su(int views) {
     SuModel model;
     model.lobes = 2;

@@ -9,7 +9,7 @@ import numpy as np
 from seen import delta_e
 
 MATERIALS = ["cc_ibiza_sunset_rgb", "cg_sunflower_rgb", "colodur_napoli_4f_rgb", "paper_white_rgb", "vch_golden_yellow_rgb"]
-HOST_WITHIN = 0.3  # of what the surface loses against the measurement
+HOST_WITHIN = 0.3  # relative to the error of the surface against the measurement
 BRUSHED = Path(__file__).resolve().parent / "models/1/pbr_brushed.srbf"  # a surface with anisotropy: a host draws it as `srbf render` does
 BRUSHED_WITHIN = 20  # ΔE_ITP; turned by 18° more it is 37
 SIZE, SAMPLES, COARSE = 64, 512, 4
@@ -30,8 +30,8 @@ def pixels_of(path):
     channels = OpenEXR.File(str(path)).channels()
     if "RGBA" in channels or "RGB" in channels:
         return np.asarray((channels.get("RGBA") or channels["RGB"]).pixels, dtype=float)[..., :3]
-    of = {name.split(".")[-1]: channel.pixels for name, channel in channels.items()}
-    return np.stack([np.asarray(of[c], dtype=float) for c in "RGB"], axis=-1)
+    pixels = {name.split(".")[-1]: channel.pixels for name, channel in channels.items()}
+    return np.stack([np.asarray(pixels[c], dtype=float) for c in "RGB"], axis=-1)
 
 
 def drawn_by_cycles(script, out, lamp=None, environment=studio):

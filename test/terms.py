@@ -12,7 +12,7 @@ import sys
 from documents import documents
 
 folder = sys.argv[1]
-STRINGS = re.compile(r'(?<!\w)"((?:[^"\\\n]|\\.)*)"')  # of one line of C++; adjacent ones are one string
+STRINGS = re.compile(r'(?<!\w)"((?:[^"\\\n]|\\.)*)"')  # strings in one line of C++; adjacent ones are one string
 COMMENT = re.compile(r"(^|\s)//+<?(.*)$")
 BARE = re.compile(r"(Of|What|Whether|The same|Those|As many|So many)\b")
 SHOWN = re.compile(r'"([^"\n]*)"|`([^`]*)`|>([^<>]*)<|"""(.*?)"""', flags=re.S)  # strings of scripts and pages
@@ -46,7 +46,7 @@ def comments(path):
     """The comments of a C++ or GLSL file; lines of one comment are joined."""
     lines = [re.sub(r'"(?:[^"\\\n]|\\.)*"', '""', line) for line in text(path).split("\n")]
     found = [COMMENT.search(line) for line in lines]
-    blocks = "\n".join(of.group(2) if of else "\f" for of in found)
+    blocks = "\n".join(match.group(2) if match else "\f" for match in found)
     return [" ".join(re.sub(r"`[^`]*`", "", block).split()) for block in blocks.split("\f") if block.strip()]
 
 
@@ -61,8 +61,8 @@ for path in (path for where in ("src", "include", "extras", "app", "python", "we
         searched.append((path, comment))
         if BARE.match(comment):
             problems.append(f"{path}: '{comment[:60]}'; write: a sentence with a subject and a verb")
-for path, of in searched:
+for path, text in searched:
     for term, instead in terms:
-        problems += [f"{path}: '{' '.join(found.group().split())}'; write: {instead}" for found in term.finditer(of)]
+        problems += [f"{path}: '{' '.join(found.group().split())}'; write: {instead}" for found in term.finditer(text)]
 print("\n".join(problems) or f"{len(searched)} texts: none of {len(terms)} terms")
 sys.exit(bool(problems))

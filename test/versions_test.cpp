@@ -1,5 +1,5 @@
 // Model files of each version stay readable: test/models/VERSION/ has a file of each kind, written when its version was
-// current, and its values then. To add a kind: SRBF_WRITE_MODELS=1 writes those that are missing. A file that is there is
+// current, and its values then. To add a kind: SRBF_WRITE_MODELS=1 writes the missing files. A file that is there is
 // never written again.
 #include <fmt/format.h>
 
@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 const fs::path k_folder = fs::path(SRBF_SOURCE_DIR) / "test" / "models";
 const std::string k_current = "1";
-/// Files that version 0.1 wrote and that need a new fit, with what is found in them.
+/// Files that version 0.1 wrote and that need a new fit, with the reason that the error states.
 const std::map<std::string, std::string> k_refused{
     {"stack", "texels with lobes of their own"}, {"su", "shapes of lobes"}, {"su_cube", "shapes of lobes"}};
 
@@ -63,7 +63,7 @@ std::vector<Rgb> values_of(const AnyBrdf& brdf) {
         const double lowest = i < 8 ? 0.05 : -1;
         const Vec3f wl = to_float(random_direction(random, lowest));
         const Vec3f wv = i % 2 ? to_float(random_direction(random, lowest)) : mirror(wl);
-        values.push_back(std::visit([&](const auto& of) { return value(of, wl, wv); }, brdf));
+        values.push_back(std::visit([&](const auto& any_brdf) { return value(any_brdf, wl, wv); }, brdf));
     }
     return values;
 }

@@ -9,15 +9,15 @@ namespace {
 TEST(WeightedQuantile, IsTheFirstOfTheSortedThatReachesTheShare) {
     std::mt19937_64 random(7);
     for (int trial = 0; trial < 200; ++trial) {
-        std::vector<std::pair<double, double>> of;
+        std::vector<std::pair<double, double>> weighted;
         double whole = 0;
         for (int i = 0; i <= trial; ++i) {
             const auto weight = std::floor(4 * uniform(random)) + (i == 0 ? 1 : 0);  // exact sums, some of them 0
-            of.emplace_back(std::floor(20 * uniform(random)), weight);
+            weighted.emplace_back(std::floor(20 * uniform(random)), weight);
             whole += weight;
         }
         const double share = (1 + std::floor(8 * uniform(random))) / 8;
-        auto sorted = of;
+        auto sorted = weighted;
         std::ranges::sort(sorted);
         double sum = 0;
         const auto reached = std::ranges::find_if(sorted, [&](const auto& pair) {
@@ -25,7 +25,7 @@ TEST(WeightedQuantile, IsTheFirstOfTheSortedThatReachesTheShare) {
             return sum >= share * whole;
         });
         ASSERT_NE(reached, sorted.end());
-        EXPECT_EQ(weighted_quantile(of, share), reached->first) << trial;
+        EXPECT_EQ(weighted_quantile(weighted, share), reached->first) << trial;
     }
 }
 

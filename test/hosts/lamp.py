@@ -77,7 +77,7 @@ def by_slang(example, code, picture):
     along = np.cross(wl, [0.3, 0.5, 0.8])
     along /= np.linalg.norm(along, axis=1, keepdims=True)
     moved = [np.hstack([np.cos(step) * wl + sign * np.sin(step) * along, wv]) for sign in (1, -1)]
-    up, down = (lamp.reflected(program, models[folder.name], of, folder).sum(1) for of in moved)
+    up, down = (lamp.reflected(program, models[folder.name], directions, folder).sum(1) for directions in moved)
     slopes = (np.load(folder / "slopes.npy")[lamp.points()[0]][some] * along).sum(1)
     apart = np.median(np.abs(slopes - (up - down) / (2 * np.sin(step))) / (np.abs(slopes) + 1e-3))
     if not apart < 1e-3:
@@ -126,7 +126,7 @@ def babylon():
 
 def hosts():
     """For each example its name, the version of the host or None, the export that it needs, and the function that draws it."""
-    def of(distribution, *modules):
+    def version_of(distribution, *modules):
         return version(distribution) if all(map(importlib.util.find_spec, modules or (distribution,))) else None
     compiler = shutil.which("cc") and subprocess.run(["cc", "--version"], capture_output=True, text=True).stdout.splitlines()[0]
     yield "c", compiler, ("--to", "c"), ".h", by_c
@@ -138,10 +138,10 @@ def hosts():
     filament = Path(FILAMENT).exists() and all(map(shutil.which, ("matc", "xvfb-run"))) and subprocess.run(
         ["dpkg-query", "-W", "-f", "${Version}", "libfilament-dev"], capture_output=True, text=True).stdout
     yield "filament", filament, ("--to", "glsl"), ".glsl", by_filament
-    yield "materialx", of("materialx", "MaterialX", "moderngl"), ("--to", "glsl"), ".glsl", by_script
-    yield "slang", of("slangpy"), ("--to", "hlsl", "--with", "sampling"), ".hlsl", by_slang
-    yield "radiance", of("pyradiance"), ("--to", "radiance"), ".cal", by_script
-    yield "mitsuba", of("mitsuba", "mitsuba", "srbf"), None, ".srbf", by_script
+    yield "materialx", version_of("materialx", "MaterialX", "moderngl"), ("--to", "glsl"), ".glsl", by_script
+    yield "slang", version_of("slangpy"), ("--to", "hlsl", "--with", "sampling"), ".hlsl", by_slang
+    yield "radiance", version_of("pyradiance"), ("--to", "radiance"), ".cal", by_script
+    yield "mitsuba", version_of("mitsuba", "mitsuba", "srbf"), None, ".srbf", by_script
 
 
 failures, ran, rows, names = [], [], {material: [] for material in MATERIALS}, sys.argv[4:]

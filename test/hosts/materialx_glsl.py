@@ -51,11 +51,11 @@ def generated(path):
     block = shader.getStage(shaders.PIXEL_STAGE).getUniformBlock(shaders.HW_PUBLIC_UNIFORMS)
     uniforms = {}
     for i in range(block.size()):
-        of = block[i]
-        kind = of.getType().getName()
-        if of.getValue() is not None and kind in ("float", "color3", "boolean", "integer"):
-            value = of.getValue().getData()
-            uniforms[of.getVariable()] = [kind, list(value.asTuple()) if kind == "color3" else float(value)]
+        port = block[i]
+        kind = port.getType().getName()
+        if port.getValue() is not None and kind in ("float", "color3", "boolean", "integer"):
+            value = port.getValue().getData()
+            uniforms[port.getVariable()] = [kind, list(value.asTuple()) if kind == "color3" else float(value)]
     return shader.getSourceCode(shaders.PIXEL_STAGE), uniforms
 
 

@@ -119,7 +119,7 @@ def check_samples(name, bsdf, wi):
     expected = SAMPLES * of_cells[..., 0].ravel()
     # Cells with few samples are pooled, and so are samples that are not scattered.
     many = expected >= 10
-    expected, found = (np.concatenate([of[many], [of[~many].sum(), SAMPLES - of.sum()]]) for of in (expected, found))
+    expected, found = (np.concatenate([counts[many], [counts[~many].sum(), SAMPLES - counts.sum()]]) for counts in (expected, found))
     statistic, freedom = ((found - expected)**2 / np.maximum(expected, 10)).sum(), len(found) - 1
     deviations = ((statistic / freedom)**(1 / 3) - 1 + 2 / (9 * freedom)) / math.sqrt(2 / (9 * freedom))  # of a normal distribution
     weights, of_beams = (np.array([weight for _, weight in kind]) for kind in (scattered, beams))

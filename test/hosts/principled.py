@@ -32,16 +32,16 @@ with tempfile.TemporaryDirectory() as folder:
         run("export", model, "--to", "principled", "-o", f"{folder}/{name}.py")
         pictures = [drawn(subject, f"{folder}/{name}-{i}.exr") for i, subject in enumerate((measured, model))]
         pictures.append(drawn_by_cycles(f"{folder}/{name}.py", f"{folder}/{name}-cycles.exr"))
-        reference, surface, cycles = (of[inside] for of in pictures)
+        reference, surface, cycles = (picture[inside] for picture in pictures)
         if not holds(name, "Cycles", lost(reference, surface, cycles), OWN_FORMULAS):
             failures.append(name)
         by = exposure(reference)
-        rows.append(np.concatenate([displayed(of, by) for of in pictures], axis=1))
+        rows.append(np.concatenate([displayed(picture, by) for picture in pictures], axis=1))
     run("export", BRUSHED, "--to", "principled", "-o", f"{folder}/brushed.py")
     ours, cycles = drawn(BRUSHED, f"{folder}/brushed.exr"), drawn_by_cycles(f"{folder}/brushed.py", f"{folder}/brushed-cycles.exr")
     if not draws_brushed("Cycles", delta_e(cycles[inside], ours[inside])):
         failures.append("brushed")
-    rows.append(np.concatenate([displayed(of, exposure(ours[inside])) for of in (0 * ours, ours, cycles)], axis=1))
+    rows.append(np.concatenate([displayed(picture, exposure(ours[inside])) for picture in (0 * ours, ours, cycles)], axis=1))
 if len(sys.argv) > 3:
     from PIL import Image
     Image.fromarray(np.concatenate(rows)).save(sys.argv[3])

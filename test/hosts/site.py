@@ -93,9 +93,9 @@ def written(path):
 def compared(page, file, folder):
     """Opens, fits and saves a file on the page and by the program."""
     page.give(file)
-    page.wait(file.name, lambda of: of["failure"] or of["working"])
-    _, seen = page.wait(file.name, lambda of: of["failure"] or of["verdict"])  # of a first draft, or of both sides the last
-    state, seconds = page.wait(file.name, lambda of: of["failure"] or of["name"] == file.name)
+    page.wait(file.name, lambda state: state["failure"] or state["working"])
+    _, seen = page.wait(file.name, lambda state: state["failure"] or state["verdict"])  # of a first draft, or of both sides the last
+    state, seconds = page.wait(file.name, lambda state: state["failure"] or state["name"] == file.name)
     longest = page.longest_task()
     print(f"  {file.name}: a fit after {seen:.1f} s, the last after {seen + seconds:.1f} s, {state['memory'] / 2**20:.0f} MB, at most {longest} ms without an answer: "
           f"{state['failure'] or state['verdict']}")
@@ -153,7 +153,7 @@ def linked(page, folder):
     name = models[-1] + ".srbf"
     chromium.click(LAST_BALL)
     begun = time.time()
-    page.wait(name, lambda of: of["name"] == name)
+    page.wait(name, lambda state: state["name"] == name)
     chromium.run("viewer.settled()")
     print(f"  {name}: the picture of a model after {time.time() - begun:.1f} s")
     check(page.model() == (root / "data/gallery" / name).read_bytes(), f"{name} is not saved as it was opened")
@@ -169,13 +169,13 @@ def linked(page, folder):
     for_blender(page, root / "data/gallery" / name, folder)
     # The same ball again, after another file.
     page.give(root / "data/paper_white_rgb.csv")
-    page.wait("another file", lambda of: of["name"] == "paper_white_rgb.csv" or of["working"])
+    page.wait("another file", lambda state: state["name"] == "paper_white_rgb.csv" or state["working"])
     chromium.click(LAST_BALL)
-    page.wait(f"{name} again", lambda of: of["name"] == name)
+    page.wait(f"{name} again", lambda state: state["name"] == name)
     chromium.click(LAST_BALL)
     check(chromium.run("document.getElementById('state').getBoundingClientRect().top < innerHeight / 2"), "a second click on a ball shows nothing")
     chromium.click("#gallery li:first-child a")
-    page.wait("the film's ball", lambda of: of["name"] == models[0] + ".srbf")
+    page.wait("the film's ball", lambda state: state["name"] == models[0] + ".srbf")
     for_blender(page, root / "data/cc_ibiza_sunset_rgb.bsdf", folder)  # not of its model, as the page has the measurement
 
 
@@ -183,7 +183,7 @@ def clicked(page, ball):
     """Another ball, once it is shown."""
     page.chromium.click(ball)
     name = page.chromium.run(f"document.querySelector({ball!r}).hash.slice(1)") + ".srbf"
-    page.wait(name, lambda of: of["name"] == name)
+    page.wait(name, lambda state: state["name"] == name)
 
 
 def choose(page, name, value):
@@ -217,8 +217,8 @@ def one_layout(page):
     for width in (1440, 768, 360):
         chromium.size(width, 900)
         chromium.open(root / "build/site/index.html", "#satin_blue_stand_in")
-        page.wait("a ball", lambda of: chromium.run("!document.getElementById('editing').hidden"))
-        page.wait("a picture", lambda of: chromium.run("viewer.settled().then(() => viewer.scene(1).samples >= 16)"))
+        page.wait("a ball", lambda state: chromium.run("!document.getElementById('editing').hidden"))
+        page.wait("a picture", lambda state: chromium.run("viewer.settled().then(() => viewer.scene(1).samples >= 16)"))
         calm, before = pixels(page, 1)[0], chromium.run(WORK)["boxes"]
         name = chromium.run("document.querySelector('figure:not([hidden]) figcaption').textContent")
         check(name == "White satin with blue highlights", f"a lone ball has the name {name!r}")
@@ -227,7 +227,7 @@ def one_layout(page):
             chromium.settle()
             now, is_drawn = pixels(page, chromium.run("document.querySelector('figure:not([hidden])').dataset.material"))
             check(is_drawn and difference(now, calm) < 0.1, f"{width} pixels wide, hue {hue}: no picture, or noise")
-            page.wait("an edit", lambda of: chromium.run(f"app.state().busy === 0 && (app.state().edited !== null) === {'true' if hue else 'false'}"))
+            page.wait("an edit", lambda state: chromium.run(f"app.state().busy === 0 && (app.state().edited !== null) === {'true' if hue else 'false'}"))
             check(chromium.run(WORK)["boxes"] == before, f"{width} pixels wide, hue {hue}: sliders, buttons or pictures move")
 
 
@@ -243,13 +243,13 @@ def damaged(page, folder):
     chromium = page.chromium
     clicked(page, LAST_BALL)
     choose(page, "hue", 90)
-    page.wait("the edit", lambda of: chromium.run("app.state().edited !== null && app.state().busy === 0"))
+    page.wait("the edit", lambda state: chromium.run("app.state().edited !== null && app.state().busy === 0"))
     work = chromium.run(WORK)
     for name, content in contents.items():
         file = folder / name
         file.write_bytes(content)
         page.give(file)
-        state, _ = page.wait(name, lambda of: of["failure"].startswith(name))
+        state, _ = page.wait(name, lambda state: state["failure"].startswith(name))
         said = run("info", file).stderr.strip().removeprefix("srbf: ").replace(str(file), name)
         if "unknown format" in said:
             said = f"{name}: this is {kinds.get(name, 'a file of another kind')}; drop a measurement, a model or an .hdr"
@@ -262,10 +262,10 @@ def damaged(page, folder):
 
 def cancelled(page):
     page.give(root / "data/paper_white_rgb.bsdf")
-    page.wait("working", lambda of: of["working"])
+    page.wait("working", lambda state: state["working"])
     time.sleep(2)
     page.chromium.click("#cancel")
-    _, seconds = page.wait("cancelled", lambda of: of["verdict"].startswith("Cancelled") and not of["working"])
+    _, seconds = page.wait("cancelled", lambda state: state["verdict"].startswith("Cancelled") and not state["working"])
     check(seconds <= CANCELLED_WITHIN, f"cancelled after {seconds:.2f} s")
     print(f"  cancelled within {seconds:.2f} s")
 
@@ -275,18 +275,18 @@ def stopped(page):
     chromium = page.chromium
     clicked(page, LAST_BALL)
     choose(page, "hue", 90)
-    page.wait("the edit", lambda of: chromium.run("app.state().edited !== null"))
+    page.wait("the edit", lambda state: chromium.run("app.state().edited !== null"))
     heading = lambda: chromium.run("document.getElementById('name').textContent")
     check(heading().startswith("Edited: made from "), f"the edited ball has the name {heading()!r}")
     before = page.model()
     chromium.click("[data-save=blender]")
-    page.wait("a save", lambda of: not chromium.run("document.getElementById('writing').hidden"))
+    page.wait("a save", lambda state: not chromium.run("document.getElementById('writing').hidden"))
     chromium.click("#stop")
-    page.wait("no save", lambda of: not chromium.run("document.querySelector('[data-save=blender]').disabled"))
+    page.wait("no save", lambda state: not chromium.run("document.querySelector('[data-save=blender]').disabled"))
     check(chromium.run("document.getElementById('saved').textContent") == "Nothing was saved.", "a save is not cancelled")
     check(page.model() == before, "the edited model is not kept when a save is cancelled")
     chromium.run("document.querySelector('#editing [type=reset]').click()")
-    page.wait("the ball as it was", lambda of: chromium.run("app.state().edited === null && app.state().busy === 0"))
+    page.wait("the ball as it was", lambda state: chromium.run("app.state().edited === null && app.state().busy === 0"))
     check(not heading().startswith("Edited"), f"the ball has the name {heading()!r} after a reset")
     print("  a save is cancelled")
 
@@ -296,9 +296,9 @@ def replaced(page):
     page.give(root / "data/cc_ibiza_sunset_rgb.bsdf")
     time.sleep(2)
     page.give(root / "data/paper_white_rgb.bsdf")
-    page.wait("the second", lambda of: of["name"] == "paper_white_rgb.bsdf")
+    page.wait("the second", lambda state: state["name"] == "paper_white_rgb.bsdf")
     choose(page, "lobes", 4)
-    page.wait("fewer lobes", lambda of: page.chromium.run("app.state().fitted.bytes") == 100 and not of["working"])
+    page.wait("fewer lobes", lambda state: page.chromium.run("app.state().fitted.bytes") == 100 and not state["working"])
     check(page.chromium.run("app.state().file.name") == "paper_white_rgb.bsdf", "the second file does not replace the first")
 
 
@@ -306,7 +306,7 @@ def edited(page, folder):
     """By mouse alone from a drop to a saved three.js material that was edited."""
     film, chromium = root / "data/cc_ibiza_sunset_rgb.bsdf", page.chromium
     page.give(film)
-    page.wait("the film", lambda of: of["name"] == film.name and not of["working"])
+    page.wait("the film", lambda state: state["name"] == film.name and not state["working"])
     fitted = page.model()
     status = lambda: chromium.run("document.getElementById('edit_status').textContent")
     chromium.ask("Page.setDownloadBehavior", behavior="allow", downloadPath=str(folder))

@@ -29,18 +29,18 @@ def check_materialx(path, of_node="open_pbr_surface", words="OpenPBR"):
     document.setDataLibrary(library)
     is_valid, message = document.validate()
     expect(is_valid, f"MaterialX {mx.getVersionString()}: valid {message}")
-    known = {of.getName(): of.getType() for of in library.getNodeDef(f"ND_{of_node}_surfaceshader").getActiveInputs()}
+    known = {port.getName(): port.getType() for port in library.getNodeDef(f"ND_{of_node}_surfaceshader").getActiveInputs()}
     node, = document.getNodes(of_node)
-    unknown = [of.getName() for of in node.getInputs() if known.get(of.getName()) != of.getType()]
+    unknown = [port.getName() for port in node.getInputs() if known.get(port.getName()) != port.getType()]
     expect(not unknown, f"MaterialX: {words} has all parameters {unknown}")
 
 
 def check_usd(path):
     stage = Usd.Stage.Open(path)
     validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
-    errors = [(of.GetName(), of.GetMessage()) for of in UsdValidation.ValidationContext(validators).Validate(stage)]
+    errors = [(error.GetName(), error.GetMessage()) for error in UsdValidation.ValidationContext(validators).Validate(stage)]
     # Packages of USD without MaterialX do not know its nodes.
-    errors = [of for of in errors if of[0] != "MissingShaderIdInRegistry" or "ND_open_pbr_surface" not in of[1]]
+    errors = [error for error in errors if error[0] != "MissingShaderIdInRegistry" or "ND_open_pbr_surface" not in error[1]]
     expect(not errors, f"USD {Usd.GetVersion()}: valid {errors}")
     material = UsdShade.MaterialBindingAPI(stage.GetPrimAtPath("/World/Sphere")).ComputeBoundMaterial()[0]
     expect(bool(material) and bool(material.ComputeSurfaceSource()[0]), "USD: the sphere has a surface")

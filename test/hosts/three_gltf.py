@@ -110,18 +110,18 @@ with tempfile.TemporaryDirectory() as folder:
             for words, lights, texels in ((THREE, LIGHTS, None), (("--env", environment), [], hdr_of(environment))):
                 pictures = [rendered(subject, f"{folder}/{name}-{len(row)}-{i}.exr", words) for i, subject in enumerate((measured, model))]
                 pictures.append(drawn(page, glb, lights, texels))
-                reference, surface, three = (of[inside] for of in pictures)
+                reference, surface, three = (picture[inside] for picture in pictures)
                 kind, own = ("lights", OWN_FORMULAS) if texels is None else ("environment", MATERIALS)
                 if not holds(name, f"three.js ({kind})", lost(reference, surface, three), own):
                     failures.append(name)
                 by = exposure(reference)
-                row += [displayed(of, by) for of in pictures]
+                row += [displayed(picture, by) for picture in pictures]
             rows.append(np.concatenate(row, axis=1))
         run("export", BRUSHED, "--to", "glb", "-o", f"{folder}/brushed.glb")
         ours, three = rendered(BRUSHED, f"{folder}/brushed.exr", THREE), drawn(page, f"{folder}/brushed.glb", LIGHTS, None)
         if not draws_brushed("three.js", delta_e(three[inside], ours[inside])):
             failures.append("brushed")
-        rows.append(np.concatenate([displayed(of, exposure(ours[inside])) for of in (0 * ours, ours, three, *3 * [0 * ours])], axis=1))
+        rows.append(np.concatenate([displayed(picture, exposure(ours[inside])) for picture in (0 * ours, ours, three, *3 * [0 * ours])], axis=1))
     finally:
         page.close()
 if len(sys.argv) > 3:

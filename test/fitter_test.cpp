@@ -12,7 +12,7 @@
 #include "observe/pairs.h"
 #include "properties.h"
 
-namespace srbf::fitting_test {
+namespace srbf::fitter_test {
 namespace {
 
 Measured bundled(const std::string& name) { return *load_measured((bundled_data() / (name + ".bsdf")).string()); }
@@ -317,4 +317,4 @@ TEST(ResultDeathTest, MisuseStopsInEveryBuildType) {
 }
 
 }  // namespace
-}  // namespace srbf::fitting_test
+}  // namespace srbf::fitter_test

@@ -73,10 +73,10 @@ def under(light, around):
         block = np.concatenate([np.zeros(48), ones, ones, around * ones, lamp.LAMP, [0], light / np.pi * ones, [0, 0, lamp.DISTANCE, 0]])
         numbers, tint = gl.buffer(block.astype("f4").tobytes()), gl.buffer(ones.astype("f4").tobytes())
         cube = gl.texture_cube((1, 1), 4, np.full(24, around, "f4").tobytes(), dtype="f4")
-        for name, of, binding in (("Unity", numbers, 0), ("UnityPerMaterial", tint, 1)):
+        for name, buffer, binding in (("Unity", numbers, 0), ("UnityPerMaterial", tint, 1)):
             if name in shader:
                 shader[name].binding = binding
-                of.bind_to_uniform_block(binding)
+                buffer.bind_to_uniform_block(binding)
         cube.use(0)
         return numbers, tint, cube
     return prepare

@@ -1,6 +1,6 @@
 // The PM fit: recovery of synthetic models, documented properties, errors.
-#include "errors/measures.h"
 #include "models/pm/search/fit_pm.h"
+#include "errors/measures.h"
 
 #include <map>
 
@@ -19,7 +19,7 @@
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 
-namespace srbf::fit_test {
+namespace srbf::fit_pm_test {
 namespace {
 
 const Measured& bundled(const char* name) {
@@ -293,4 +293,4 @@ TEST(Fit, RefusesBadOptionsAndObservations) {
 }
 
 }  // namespace
-}  // namespace srbf::fit_test
+}  // namespace srbf::fit_pm_test

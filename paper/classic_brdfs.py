@@ -21,8 +21,8 @@ class Angles(NamedTuple):
     """Cosines of n pairs of directions, arrays [n]."""
     cos_l: np.ndarray
     cos_v: np.ndarray
-    cos_h: np.ndarray  # for the half vector
-    cos_d: np.ndarray  # for the light in the half vector's frame
+    cos_h: np.ndarray  # cosθh of the half vector
+    cos_d: np.ndarray  # cosθd of the light in the half vector's frame
 
 
 def angles(wl, wv):
@@ -196,7 +196,7 @@ def fit(measured, name, loss=CHOSEN[0], weights=CHOSEN[1]):
     import srbf
     limits = MAX_THETAS_OF_NETWORKS if name.startswith("network") else [MAX_THETA]
     fits = [fit_within(measured, MODELS[name], limit, loss, weights) for limit in limits]
-    return fits[0] if len(fits) == 1 else min(fits, key=lambda of: srbf.errors(measured, of[0], max_theta=MAX_THETA)["delta_e_itp"])
+    return fits[0] if len(fits) == 1 else min(fits, key=lambda fitted: srbf.errors(measured, fitted[0], max_theta=MAX_THETA)["delta_e_itp"])
 
 
 def fit_within(measured, model, max_theta, loss, weights):

@@ -1,5 +1,5 @@
-"""The tables and the plot of docs/comparison.md, and a table each of docs/accuracy.md, docs/choosing.md and docs/paper.md, from docs/comparison.csv and further_tables.csv:
-python3 paper/comparison.py [--check]
+"""python3 paper/comparison.py [--check]: makes the tables and the plot of docs/comparison.md, and a table each of docs/accuracy.md,
+docs/choosing.md and docs/paper.md, from docs/comparison.csv and docs/further_tables.csv.
 
 Writes docs/comparison.svg, and the tables of the pages after `<!-- NAME -->`. With --check nothing is written;
 the exit status is 1 if a page has other numbers.
@@ -13,7 +13,8 @@ import sys
 HERE = os.path.dirname(os.path.abspath(__file__))
 CSV, FURTHER, PAGE, PLOT, ACCURACY, CHOOSING, PAPER = (os.path.join(HERE, "..", "docs", name) for name in (
     "comparison.csv", "further_tables.csv", "comparison.md", "comparison.svg", "accuracy.md", "choosing.md", "paper.md"))
-MODELS = {  # name, and in the plot the curve that it belongs to
+# The names of the models, and their curves in the plot.
+MODELS = {
     "ggx": ("Lambert, 1 GGX", "GGX"),
     "ggx-2": ("Lambert, 2 GGX", "GGX"),
     "abc": ("ABC, our fit ‡", "ABC"),
@@ -26,7 +27,8 @@ MODELS = {  # name, and in the plot the curve that it belongs to
     "as-measured-8": ("8 lobes, not reciprocal", "as measured"),
     "su": ("view by view, 5 lobes", "view by view"),
 }
-SIZED = {  # in rows of the measurements alone: models of several sizes, and their curves
+# Models of several sizes, and their curves. They have rows for the measurements alone.
+SIZED = {
     **{f"srbf-{lobes}": "srbf" for lobes in (1, 2, 6, 32)},
     **{f"gtr-{lobes}-pictures": "GTR lobes" for lobes in (1, 2, 3, 6)},
     **{f"lafortune-{lobes}-pictures": "cosine lobes" for lobes in (1, 3, 8)},
@@ -34,18 +36,29 @@ SIZED = {  # in rows of the measurements alone: models of several sizes, and the
     **{f"network-{width}": "small network, ∛f" for width in (4, 6)},
     **{f"pca-{count}": "principal components" for count in (4, 8, 16)},
 }
-PLOTTED = {"nbrdf-16": "NBRDF", **{f"as-measured-{lobes}": "as measured" for lobes in (4, 12, 16)}, "cube-root": "as measured, ∛f"}  # in no table by name
+# Models of the plot that no table names.
+PLOTTED = {"nbrdf-16": "NBRDF", **{f"as-measured-{lobes}": "as measured" for lobes in (4, 12, 16)}, "cube-root": "as measured, ∛f"}
 CURVE_OF = {**{model: curve for model, (_, curve) in MODELS.items()}, **SIZED, **PLOTTED}
-COLOURS = {"srbf": "#c0392b", "as measured": "#e59866", "as measured, ∛f": "#e59866", "view by view": "#e08e0b", "GGX": "#2471a3", "OpenPBR": "#17a589", "ABC": "#b7950b",
+COLOURS = {"srbf": "#c0392b", "as measured": "#e59866", "as measured, ∛f": "#e59866", "view by view": "#e08e0b",
+           "GGX": "#2471a3", "OpenPBR": "#17a589", "ABC": "#b7950b",
            "NBRDF": "#7d3c98", "neural process": "#5d6d7e", "GTR lobes": "#5dade2", "cosine lobes": "#52be80",
            "small network": "#a569bd", "small network, ∛f": "#a569bd", "principal components": "#7f8c8d"}
-SQUARES = {"as measured, ∛f", "ABC", "small network, ∛f"}  # curves of models that minimise errors of cube roots
-TRIANGLES = {"view by view", "NBRDF", "neural process", "principal components"}  # another loss without pixels
-MEANS_ALONE = {"network-6-pictures": "small network, 6 neurons", "as-measured-16": "16 lobes, not reciprocal", "nbrdf-16": "NBRDF, rounded to 16-bit floats"}  # in the table of means
-MEASURED_ALONE = {"network-6-pictures": "small network, 186 bytes", "as-measured-16": "16 lobes, not reciprocal"}  # after the others in the table by file
-BY_MATERIAL = {"ggx-2", "openpbr", "nbrdf", "nps", "srbf-4", "srbf", "srbf-16", "as-measured-8"}  # of the models, in tables by file and by kind
-NEURAL = {"nbrdf", "nbrdf-16", "nps"}  # of which there are rows for the measurements alone
-MEASURED = {"cc_ibiza_sunset": "film", "cg_sunflower": "sunflower", "colodur_napoli_4f": "napoli", "paper_white": "paper", "vch_golden_yellow": "yellow"}  # and short names
+# Curves of models that minimise errors of cube roots.
+SQUARES = {"as measured, ∛f", "ABC", "small network, ∛f"}
+# Curves of models that minimise another loss without pixels.
+TRIANGLES = {"view by view", "NBRDF", "neural process", "principal components"}
+# Models that only the table of means adds.
+MEANS_ALONE = {"network-6-pictures": "small network, 6 neurons", "as-measured-16": "16 lobes, not reciprocal",
+               "nbrdf-16": "NBRDF, rounded to 16-bit floats"}
+# Models that the table by file has after the others.
+MEASURED_ALONE = {"network-6-pictures": "small network, 186 bytes", "as-measured-16": "16 lobes, not reciprocal"}
+# Models in the tables by file and by kind.
+BY_MATERIAL = {"ggx-2", "openpbr", "nbrdf", "nps", "srbf-4", "srbf", "srbf-16", "as-measured-8"}
+# Published networks. They have rows for the measurements alone.
+NEURAL = {"nbrdf", "nbrdf-16", "nps"}
+# The measurements and their short names.
+MEASURED = {"cc_ibiza_sunset": "film", "cg_sunflower": "sunflower", "colodur_napoli_4f": "napoli", "paper_white": "paper",
+            "vch_golden_yellow": "yellow"}
 COLUMNS = ["delta_e_itp", "worst_delta_e_itp", "flip", "psnr", "rms", "symmetric_error", "albedo_error"]
 MEASURES = {"delta_e_itp": "ΔE_ITP, mean", "worst_delta_e_itp": "ΔE_ITP, worst light", "flip": "ꟻLIP", "psnr": "PSNR", "rms": "RMS",
             "symmetric_error": "relative", "albedo_error": "albedo", "heldout_squared_error_ratio_cosine": "squared error of f cosθl",
@@ -110,12 +123,12 @@ def with_bold_least(values):
 def means_table(rows):
     """A row for each model, in order of bytes: its bytes and mean errors."""
     names, values = [], []
-    of = {model: of_model(rows, model) for model in [*models_in(rows), *MEANS_ALONE]}
-    for model in sorted(of, key=lambda model: max(row["payload"] + row["shared"] for row in of[model])):
-        shared = f" + {text(of[model][0]['shared'])} shared" if of[model][0]["shared"] else ""
-        payload = text(max(row["payload"] for row in of[model]))
+    by_model = {model: of_model(rows, model) for model in [*models_in(rows), *MEANS_ALONE]}
+    for model in sorted(by_model, key=lambda model: max(row["payload"] + row["shared"] for row in by_model[model])):
+        shared = f" + {text(by_model[model][0]['shared'])} shared" if by_model[model][0]["shared"] else ""
+        payload = text(max(row["payload"] for row in by_model[model]))
         names.append([marked(model, MEANS_ALONE.get(model) or MODELS[model][0]), payload + shared])
-        values.append([mean(of[model], key) for key in COLUMNS])
+        values.append([mean(by_model[model], key) for key in COLUMNS])
     return table(["model", "bytes", "ΔE_ITP", "worst light", "ꟻLIP", "PSNR, dB", "RMS", "relative", "albedo"],
                  with_bold_best(names, values, {COLUMNS.index("psnr")}))
 
@@ -130,8 +143,8 @@ def kinds_table(rows):
     lines = []
     for kind in sorted({row["kind"] for row in rows}):
         of_kind = [row for row in rows if row["kind"] == kind]
-        lines.append([kind, str(len(of_model(of_kind, "srbf")))] + with_bold_least([mean(of_model(of_kind, model), "delta_e_itp") for model in models])
-                     + range_of_default(of_kind))
+        errors = [mean(of_model(of_kind, model), "delta_e_itp") for model in models]
+        lines.append([kind, str(len(of_model(of_kind, "srbf")))] + with_bold_least(errors) + range_of_default(of_kind))
     lines.append(["all", str(len(of_model(rows, "srbf")))] + with_bold_least([mean(of_model(rows, model), "delta_e_itp") for model in models])
                  + range_of_default(rows))
     lines.append(["median of all", ""] + with_bold_least([statistics.median(row["delta_e_itp"] for row in of_model(rows, model)) for model in models])
@@ -144,8 +157,8 @@ def measured_table(rows):
     names = {**{model: MODELS[model][0] for model in models_in(rows) if model in BY_MATERIAL}, **MEASURED_ALONE}
     lines = []
     for material in MEASURED:
-        of = {row["model"]: row for row in rows if row["material"] == material}
-        lines.append([material] + with_bold_least([of[model]["delta_e_itp"] for model in names]))
+        by_model = {row["model"]: row for row in rows if row["material"] == material}
+        lines.append([material] + with_bold_least([by_model[model]["delta_e_itp"] for model in names]))
     return table(["measurement", *names.values()], lines)
 
 
@@ -156,12 +169,14 @@ OF_EQUAL_BYTES = {"srbf-4": "srbf, 4 lobes", "gtr-6-pictures": "6 GTR lobes", "l
 
 
 def equal_bytes_table(rows):
-    """All measures of models of similar sizes: means over the measurements, and the median of squared errors, whose mean one file determines."""
+    """Means of all measures over the measurements, for models of similar sizes, and the median of squared errors, because one file
+    determines their mean."""
     names, values = [], []
     for model, name in OF_EQUAL_BYTES.items():
-        of = of_model(rows, model)
-        names.append([marked(model, name), text(of[0]["payload"])])
-        values.append([mean(of, key) for key in MEASURES] + [statistics.median(row["heldout_squared_error_ratio_cosine"] for row in of)])
+        model_rows = of_model(rows, model)
+        names.append([marked(model, name), text(model_rows[0]["payload"])])
+        squared_errors = [row["heldout_squared_error_ratio_cosine"] for row in model_rows]
+        values.append([mean(model_rows, key) for key in MEASURES] + [statistics.median(squared_errors)])
     return table(["model", "bytes", *MEASURES.values(), "squared error, median"],
                  with_bold_best(names, values, {list(MEASURES).index("psnr")}))
 
@@ -176,7 +191,7 @@ def measures_table(rows):
         sign = -1 if key == "psnr" else 1
         cells = []
         for model in NETWORKS:
-            own, other = [{row["material"]: sign * row[key] for row in of_model(rows, of)} for of in ("srbf", model)]
+            own, other = [{row["material"]: sign * row[key] for row in of_model(rows, compared)} for compared in ("srbf", model)]
             smaller = [material for material in MEASURED if other[material] < own[material]]
             cells.append("all five" if len(smaller) == len(MEASURED) else ", ".join(MEASURED[material] for material in smaller) or "none")
         lines.append([name] + cells)
@@ -184,12 +199,13 @@ def measures_table(rows):
 
 
 def networks_table(rows):
-    """The default beside networks: means, and means without the film in brackets. The best are bold."""
+    """Means of the default and of networks, and in brackets their means without the film. The best are bold."""
     models = {"nbrdf-16": "NBRDF, 1,350 bytes", "srbf": "nine lobes, 210 bytes", "network-6-pictures": "network, 186 bytes"}
-    all_lines, others = ([[mean(of_model(of, model), key) for key in COLUMNS] for model in models]
-                         for of in (rows, [row for row in rows if row["material"] != "cc_ibiza_sunset"]))
-    all_lines, others = (with_bold_best([[]] * len(models), of, {COLUMNS.index("psnr")}) for of in (all_lines, others))
-    lines = [[name] + [f"{own} ({other})" for own, other in zip(of_all, of_others)] for name, of_all, of_others in zip(models.values(), all_lines, others)]
+    all_lines, others = ([[mean(of_model(some_rows, model), key) for key in COLUMNS] for model in models]
+                         for some_rows in (rows, [row for row in rows if row["material"] != "cc_ibiza_sunset"]))
+    all_lines, others = (with_bold_best([[]] * len(models), values, {COLUMNS.index("psnr")}) for values in (all_lines, others))
+    lines = [[name] + [f"{with_film} ({without_film})" for with_film, without_film in zip(line, other)]
+             for name, line, other in zip(models.values(), all_lines, others)]
     return table(["model", "ΔE_ITP", "worst light", "ꟻLIP", "PSNR, dB", "RMS of radiance", "relative error", "albedo error"], lines)
 
 
@@ -202,12 +218,13 @@ def options_table(rows):
     """Errors of the program's options on the five measurements and on all materials."""
     lines = []
     for model, name in OPTIONS.items():
-        of = of_model(rows, model)
+        model_rows = of_model(rows, model)
         columns = ["delta_e_itp", "flip", "psnr", "rms", "heldout_squared_error_ratio_cosine", "heldout_cube_root_error_ratio", "albedo_error"]
         percent = {"heldout_squared_error_ratio_cosine", "heldout_cube_root_error_ratio", "albedo_error"}
-        lines.append([name, text(max(row["payload"] for row in of)), text(mean(of_measured(of), "delta_e_itp"))]
-                     + [text(mean(of, key) * (100 if key in percent else 1)) for key in columns])
-    return table(["options", "bytes", "ΔE_ITP, five", "ΔE_ITP, all", "ꟻLIP", "PSNR, dB", "RMS", "f cosθl ≤ 80°, %", "cube root ≤ 80°, %", "albedo ≤ 80°, %"], lines)
+        lines.append([name, text(max(row["payload"] for row in model_rows)), text(mean(of_measured(model_rows), "delta_e_itp"))]
+                     + [text(mean(model_rows, key) * (100 if key in percent else 1)) for key in columns])
+    return table(["options", "bytes", "ΔE_ITP, five", "ΔE_ITP, all", "ꟻLIP", "PSNR, dB", "RMS", "f cosθl ≤ 80°, %",
+                  "cube root ≤ 80°, %", "albedo ≤ 80°, %"], lines)
 
 
 SIZES = {"ggx-2": "Lambert and two GGX lobes", "openpbr": "parameters of OpenPBR", "srbf-4": "4 lobes", "srbf": "**9 lobes**", "srbf-16": "16 lobes",
@@ -218,15 +235,16 @@ def sizes_table(rows):
     """ΔE_ITP by size, for all materials and for the five measurements."""
     lines = []
     for model, name in SIZES.items():
-        of = of_model(rows, model)
-        errors = [row["delta_e_itp"] for row in of]
-        lines.append([name, text(max(row["payload"] for row in of))]
-                     + [text(value) for value in (statistics.fmean(errors), statistics.median(errors), max(errors), mean(of_measured(of), "delta_e_itp"))])
+        model_rows = of_model(rows, model)
+        errors = [row["delta_e_itp"] for row in model_rows]
+        lines.append([name, text(max(row["payload"] for row in model_rows))]
+                     + [text(value) for value in (statistics.fmean(errors), statistics.median(errors), max(errors),
+                                                  mean(of_measured(model_rows), "delta_e_itp"))])
     return table(["model", "bytes", "mean", "median", "largest", "mean of the five measurements"], lines)
 
 
 def stand_ins_table(rows):
-    """The default beside fits as measured, on the stand-ins, which are reciprocal."""
+    """Errors of the default and of fits as measured on the stand-ins, which are reciprocal."""
     rest = [row for row in rows if row["material"] not in MEASURED]
     default, other = ({row["material"]: row["delta_e_itp"] for row in of_model(rest, model)} for model in ("srbf", "as-measured-8"))
     lines = []
@@ -241,8 +259,10 @@ def stand_ins_table(rows):
 def further_table(rows):
     """Errors on the tables by which no constant was chosen."""
     errors = {model: sorted(row["delta_e_itp"] for row in of_model(rows, model)) for model in models_in(rows)}
-    lines = [[MODELS[model][0]] + [text(value) for value in (statistics.fmean(of), statistics.median(of), of[len(of) * 95 // 100], of[-1])]
-             for model, of in errors.items()]
+    lines = []
+    for model, values in errors.items():
+        measures = (statistics.fmean(values), statistics.median(values), values[len(values) * 95 // 100], values[-1])
+        lines.append([MODELS[model][0]] + [text(value) for value in measures])
     return table(["model", "mean", "median", "95 %", "largest"], lines)
 
 
@@ -260,7 +280,7 @@ def points_of(rows, curve):
     """The mean payload, mean ΔE_ITP and shared bytes of a curve's models, in order of bytes."""
     present = {row["model"] for row in rows}
     of_models = [of_model(rows, model) for model, own in CURVE_OF.items() if own == curve and model in present]
-    return sorted((mean(of, "payload"), mean(of, "delta_e_itp"), of[0]["shared"]) for of in of_models)
+    return sorted((mean(model_rows, "payload"), mean(model_rows, "delta_e_itp"), model_rows[0]["shared"]) for model_rows in of_models)
 
 
 def panel(rows, title, x0, y0, width, height):
@@ -293,17 +313,19 @@ def plot(rows):
     kinds = sorted({row["kind"] for row in rows})
     parts = [panel(of_measured(rows), "five measurements", 50, 40, 470, 430)]
     for i, kind in enumerate(kinds):
-        of = [row for row in rest if row["kind"] == kind]
-        parts.append(panel(of, f"{kind} ({len(of_model(of, 'srbf'))})", 580 + 215 * (i % 3), 40 + 250 * (i // 3), 165, 180))
+        kind_rows = [row for row in rest if row["kind"] == kind]
+        parts.append(panel(kind_rows, f"{kind} ({len(of_model(kind_rows, 'srbf'))})", 580 + 215 * (i % 3), 40 + 250 * (i // 3), 165, 180))
     for i, (curve, colour) in enumerate(COLOURS.items()):
         left, top = 30 + 150 * (i % 8), 530 + 24 * (i // 8)
-        parts.append(mark(left, top - 4, colour, curve, curve in ("neural process", "principal components")) + f'<text x="{left + 13}" y="{top}">{curve}</text>')
+        hollow = curve in ("neural process", "principal components")
+        parts.append(mark(left, top - 4, colour, curve, hollow) + f'<text x="{left + 13}" y="{top}">{curve}</text>')
     for i, (curve, loss) in enumerate({"srbf": "minimises pixels of pictures and values", "ABC": "minimises errors of cube roots",
                                        "NBRDF": "minimises another loss of values"}.items()):
         parts.append(mark(60 + 400 * i, 586, "#222", curve) + f'<text x="{73 + 400 * i}" y="590">{loss}</text>')
     parts.append('<text x="600" y="508" text-anchor="middle">bytes of a material, without what materials share</text>')
     parts.append('<text transform="translate(14 255) rotate(-90)" text-anchor="middle">mean ΔE_ITP</text>')
-    return ('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1240 605" font-family="DejaVu Sans, Verdana, sans-serif" font-size="13" fill="#222">'
+    return ('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1240 605" '
+            'font-family="DejaVu Sans, Verdana, sans-serif" font-size="13" fill="#222">'
             '<rect width="1240" height="605" fill="#fff"/>\n' + "\n".join(parts) + "\n</svg>\n")
 
 

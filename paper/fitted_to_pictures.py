@@ -1,6 +1,8 @@
 """Fits models of sized_brdfs.py by the default objective of `srbf`, so that a comparison is one of forms and not of losses.
 
-The sum is that of docs/fitting.md with its weights: pairs, albedos, and pixels of the same pictures, without the overshoots and beyond 89°. As by default, values are those of the reciprocal mean, and pixels of the fit choose among the starts: sixteen are improved by a quarter of the data, four of them by all, then two and one.
+The loss is that of docs/fitting.md with its weights: pairs, albedos, and pixels of the same pictures. It has no overshoots, and nothing beyond 89°.
+As by default, values are those of the reciprocal mean, and pixels of the fit choose among the starts: sixteen are improved by a quarter of the data,
+four of them by all, then two and one.
 """
 import pathlib
 import sys
@@ -137,14 +139,14 @@ def observe(brdf):
     wl, wv, solid_angle = classic_brdfs.pairs(MAX_THETA)
     pairs = weighed(observed(brdf, wl, wv, 8 * np.pi ** 4 / classic_brdfs.PAIRS * solid_angle[None]))
     views = [observed(brdf, *view(i)) for i in range(VIEWS)]
-    largest = np.stack([(of.weight @ of.f).max(axis=1) for of in views], axis=1)
-    exposure = [0.75 / np.quantile(of[of > 0], 0.9, method="inverted_cdf") for of in largest]
-    views = [of._replace(weight=of.weight * np.array(exposure)[:, None]) for of in views]
+    largest = np.stack([(view_block.weight @ view_block.f).max(axis=1) for view_block in views], axis=1)
+    exposure = [0.75 / np.quantile(values[values > 0], 0.9, method="inverted_cdf") for values in largest]
+    views = [view_block._replace(weight=view_block.weight * np.array(exposure)[:, None]) for view_block in views]
     return pairs, views, [observed(brdf, *albedo(k)) for k in range(len(ALBEDOS))]
 
 
 class Loss:
-    """The sum of a fit and its residuals at every n-th pair and view. `weigh` sets the weights of its terms."""
+    """The loss of a fit and its residuals at every n-th pair and view. `weigh` sets the weights of its terms."""
 
     def __init__(self, observations, every, model, coordinates, as_ggx=False):
         self.as_ggx = as_ggx
@@ -152,19 +154,19 @@ class Loss:
         self.pairs = Block(pairs.wl[::every], pairs.wv[::every], pairs.f[::every], pairs.weight[:, ::every] * every)
         self.views, albedos = len(views[::every]), albedos[::min(every, 2)]
         self.blocks = [self.pairs, *views[::every], *albedos]
-        self.ends = np.cumsum([len(of.wl) for of in self.blocks])[:-1]
-        wl, wv, f = (np.concatenate([of[i] for of in self.blocks]) for i in range(3))
+        self.ends = np.cumsum([len(block.wl) for block in self.blocks])[:-1]
+        wl, wv, f = (np.concatenate([block[i] for block in self.blocks]) for i in range(3))
         angle = classic_brdfs.angles(wl, wv)
         self.value = lambda x, derivatives=False: model.value(coordinates.to_parameters(x), angle, derivatives)
         colours, self.albedos = self.sums(f)
         self.limit = np.where(colours < 1, np.inf, 1)
         self.target = itp(np.minimum(colours, 1))[0]
-        luminance, horizon = self.albedos @ [0.2126, 0.7152, 0.0722], np.array([of.wv[0, 2] < 0.05 for of in albedos])
+        luminance, horizon = self.albedos @ [0.2126, 0.7152, 0.0722], np.array([block.wv[0, 2] < 0.05 for block in albedos])
         self.unit = np.where(horizon, np.maximum(luminance, 1), luminance)[:, None]
 
     def sums(self, f):
         """Colours [pixels, ...] and albedos of values f [n, ...] at all directions."""
-        sums = [np.tensordot(of.weight, values, 1) for of, values in zip(self.blocks[1:], np.split(f, self.ends)[1:])]
+        sums = [np.tensordot(block.weight, values, 1) for block, values in zip(self.blocks[1:], np.split(f, self.ends)[1:])]
         return np.concatenate(sums[:self.views]), np.concatenate(sums[self.views:])
 
     def weigh(self, x, least=None):
@@ -193,7 +195,8 @@ class Loss:
         shown, slope = itp(np.minimum(colours, self.limit))
         error, pairs = shown - self.target, len(self.root)
         s = np.sqrt((error ** 2).sum(axis=1, keepdims=True) + 1)
-        of_pixels = self.of_pixels * np.sqrt(2 / (s + 1))  # the pseudo-Huber loss 2 (s - 1) is 2 / (s + 1) times the squared error
+        # The pseudo-Huber loss 2 (s - 1) is 2 / (s + 1) times the squared error.
+        of_pixels = self.of_pixels * np.sqrt(2 / (s + 1))
         rows = [(f[:pairs] - self.pairs.f) * self.root, error * of_pixels, (albedos - self.albedos) / self.unit * self.of_albedos]
         r = np.concatenate(rows).ravel()
         if not derivatives:
@@ -230,7 +233,8 @@ MODELS = {**{f"gtr-{count}-pictures": sized_brdfs.Lobes(classic_brdfs.Parameter,
 
 
 def fit(brdf, name):
-    """Fits a model to a BRDF; returns what `classic_brdfs.fit` does. Networks have all terms, the others the pixels and pairs of GGX alone."""
+    """Fits a model to a BRDF, and returns a function and a size as `classic_brdfs.fit` does. The loss of networks has all terms, that of
+    the other models only the pixels and pairs of GGX."""
     model, as_ggx = MODELS[name], not name.startswith("network")
     observations, coordinates = observe(brdf), classic_brdfs.Coordinates(model)
     few, all_ = (Loss(observations, every, model, coordinates, as_ggx) for every in (4, 1))

@@ -17,7 +17,8 @@ README, PAPER, ACCURACY = "README.md", "docs/paper.md", "docs/accuracy.md"
 FILM, *OTHERS = FILES = list(MEASURED)
 GGX, OPENPBR, DEFAULT = ("--model", "ggx", "--lobes", "2"), ("--model", "openpbr"), ()
 SIXTEEN_AS_MEASURED = ("--as-measured", "--lobes", "16")
-ROWS = [  # of the tables, with options of `srbf fit`
+# Pages, rows of their tables, and the options of `srbf fit` for each row.
+ROWS = [
     (README, "Lambert and two GGX lobes", GGX), (README, "parameters of OpenPBR", OPENPBR),
     (README, "9 lobes (default)", DEFAULT), (README, "16 lobes, not reciprocal", SIXTEEN_AS_MEASURED),
     (PAPER, "Lambert and two GGX lobes", GGX), (PAPER, "OpenPBR", OPENPBR), (PAPER, "four lobes", ("--lobes", "4")),
@@ -26,9 +27,12 @@ ROWS = [  # of the tables, with options of `srbf fit`
     (PAPER, "nine lobes, fitted to cube roots", ("--objective", "cube-root", "--max-theta", "80")),
     (PAPER, "eight lobes, not reciprocal", ("--as-measured",)), (PAPER, "sixteen lobes, not reciprocal", SIXTEEN_AS_MEASURED),
 ]
-OF_FILES = {"mean of five measurements": FILES, "mean of the five": FILES, "the film": [FILM], "the other four": OTHERS}  # columns
-SEED_COLUMNS = ["least", "median", "largest", "median against the mean"]  # of the page on accuracy, after the name of the file
-SEEDS = {DEFAULT: range(6)}  # of others seed 0 alone
+# Columns of the tables, and the files that each is the mean of.
+OF_FILES = {"mean of five measurements": FILES, "mean of the five": FILES, "the film": [FILM], "the other four": OTHERS}
+# Columns of the page on accuracy, after the name of the file.
+SEED_COLUMNS = ["least", "median", "largest", "median against the mean"]
+# Seeds of the default. Other options have seed 0 alone.
+SEEDS = {DEFAULT: range(6)}
 NUMBER = re.compile(r"\d[\d,]*(?:\.\d+)?")
 
 
@@ -67,9 +71,9 @@ def fitted(program, folder):
     models = dict.fromkeys(options for _, _, options in ROWS)
     wanted = [(path, options, seed) for options in models for path in paths for seed in SEEDS.get(options, [0])]
     fits = {}
-    for (path, options, seed), of in reports(lambda path, options, seed: report(program, path, *options, "--seed", str(seed)), wanted):
-        mean_pictures = of.get("mean_pictures", of["pictures"])
-        fits[options, material(path), seed] = of["pictures"]["delta_e_itp"], mean_pictures["delta_e_itp"], of["payload_bytes"]
+    for (path, options, seed), outcome in reports(lambda path, options, seed: report(program, path, *options, "--seed", str(seed)), wanted):
+        mean_pictures = outcome.get("mean_pictures", outcome["pictures"])
+        fits[options, material(path), seed] = outcome["pictures"]["delta_e_itp"], mean_pictures["delta_e_itp"], outcome["payload_bytes"]
     return fits
 
 
@@ -79,14 +83,14 @@ class Errors:
     def __init__(self, fits):
         self.fits = fits
 
-    def of(self, options, name, which=0):
+    def by_seed(self, options, name, which=0):
         return [self.fits[options, name, seed][which] for seed in SEEDS.get(options, [0])]
 
     def mean(self, options, names):
-        return statistics.fmean(self.of(options, name)[0] for name in names)
+        return statistics.fmean(self.by_seed(options, name)[0] for name in names)
 
     def mean_of_medians(self, options, names):
-        return statistics.fmean(statistics.median(self.of(options, name)) for name in names)
+        return statistics.fmean(statistics.median(self.by_seed(options, name)) for name in names)
 
 
 def numbers_of_rows(errors):
@@ -103,7 +107,7 @@ def numbers_of_rows(errors):
 def numbers_of_seeds(errors):
     for name in FILES:
         row = row_of(ACCURACY, name)
-        of_file, of_mean = errors.of(DEFAULT, name), errors.of(DEFAULT, name, 1)
+        of_file, of_mean = errors.by_seed(DEFAULT, name), errors.by_seed(DEFAULT, name, 1)
         values = [min(of_file), statistics.median(of_file), max(of_file), statistics.median(of_mean)]
         for column, (what, value) in enumerate(zip(SEED_COLUMNS, values), 1):
             yield ACCURACY, f"{name}, {what} of six seeds", row[column], value

@@ -3,19 +3,19 @@
 Fits every measurement by each model and writes into FOLDER (build/leaderboard):
 
 results.csv       a row for each material and model
-seconds.csv       how long reading and fitting took
+seconds.csv       the seconds of reading and fitting
 protocols.csv     with --protocols: the measures of publications, see `protocols`
 README.md         tables by database, with picture.svg; a database is a folder that holds measurements
 
-All but the seconds has the same bytes on every machine.
+All files but seconds.csv have the same bytes on every machine.
 
-A run goes on where the last one into the same FOLDER ended. `./run leaderboard --merge FOLDER... -o FOLDER` makes one leaderboard of
+A run continues where the last one into the same FOLDER ended. `./run leaderboard --merge FOLDER... -o FOLDER` makes one leaderboard of
 several, for instance of results that others sent. Needs the package `srbf` and NumPy. Further options:
 
---models NAME...  instead of ggx-2 and srbf; an unknown name lists all
+--models NAME...  replaces the models ggx-2 and srbf; an unknown name lists all
 --networks FOLDER, --codes FOLDER  published models, see rivals.py
---protocols       also the measures of publications, of the models of srbf; minutes a material
---environment FILE  of the sphere of --protocols, instead of the studio
+--protocols       adds the measures of publications for the models of srbf, and takes minutes for each material
+--environment FILE  lights the sphere of --protocols, instead of the studio
 """
 import argparse
 import csv
@@ -62,7 +62,8 @@ def measurements(paths):
 def named(found):
     """(database, name of the material, path): the file's name without its ending, unless two files of a database have the same one."""
     names = [(database, os.path.basename(path).rsplit(".", 1)[0].removesuffix("_rgb")) for database, path in found]
-    return [(database, name if names.count((database, name)) == 1 else os.path.basename(path), path) for (database, name), (_, path) in zip(names, found)]
+    return [(database, name if names.count((database, name)) == 1 else os.path.basename(path), path)
+            for (database, name), (_, path) in zip(names, found)]
 
 
 def read_rows(path, columns):
@@ -114,17 +115,17 @@ def png_values(path):
             packed += content[at + 8:at + 8 + size]
         at += size + 12
     rows = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, 1 + 3 * width)
-    picture = np.zeros((height + 1, width + 1, 3), np.int32)  # with a black column and row before the first
+    picture = np.zeros((height + 1, width + 1, 3), np.int32)  # has a black column and row before the first
     for y, row in enumerate(rows):
-        line, above, of = row[1:].reshape(width, 3).astype(np.int32), picture[y], picture[y + 1]
+        line, above, current = row[1:].reshape(width, 3).astype(np.int32), picture[y], picture[y + 1]
         if row[0] in (0, 2):
-            of[1:] = line + (above[1:] if row[0] == 2 else 0) & 255
+            current[1:] = line + (above[1:] if row[0] == 2 else 0) & 255
             continue
         for x in range(width):
-            left, up, corner = of[x], above[x + 1], above[x]
+            left, up, corner = current[x], above[x + 1], above[x]
             nearest = [abs(up - corner), abs(left - corner), abs(left + up - 2 * corner)]
             paeth = np.where((nearest[0] <= nearest[1]) & (nearest[0] <= nearest[2]), left, np.where(nearest[1] <= nearest[2], up, corner))
-            of[x + 1] = line[x] + {1: left, 3: (left + up) // 2, 4: paeth}[row[0]] & 255
+            current[x + 1] = line[x] + {1: left, 3: (left + up) // 2, 4: paeth}[row[0]] & 255
     return picture[1:, 1:] / 255
 
 
@@ -139,7 +140,7 @@ def protocols(path, measured, brdf, environment, work):
         return np.stack([sine * np.cos(phi), sine * np.sin(phi), np.sqrt(1 - sine * sine)], axis=1).astype(np.float32)
 
     wl, wv = directions(), directions()
-    f, g = (np.asarray(of.eval(wl, wv), float) for of in (measured, brdf))
+    f, g = (np.asarray(function.eval(wl, wv), float) for function in (measured, brdf))
     model, picture = os.path.join(work, "model.srbf"), os.path.join(work, "pictures.png")
     brdf.save(model)
     subprocess.run([os.environ.get("SRBF", "srbf"), "render", path, model, "-o", picture, "--mesh", "sphere", "--env", environment, "--no-ground",
@@ -157,12 +158,12 @@ def summary(rows):
     """A row for each model of these results."""
     lines = []
     for model in models_in(rows):
-        of = [row for row in rows if row["model"] == model]
-        errors = {key: [float(row[key]) for row in of] for key in rivals.ERRORS}
-        shared = int(of[0]["shared"])
-        size = text(max(int(row["payload"]) for row in of)) + (f" + {text(shared)} shared" if shared else "")
+        model_rows = [row for row in rows if row["model"] == model]
+        errors = {key: [float(row[key]) for row in model_rows] for key in rivals.ERRORS}
+        shared = int(model_rows[0]["shared"])
+        size = text(max(int(row["payload"]) for row in model_rows)) + (f" + {text(shared)} shared" if shared else "")
         seen = errors["delta_e_itp"]
-        lines.append([NAMES[model], size, str(len(of)), *map(text, (statistics.fmean(seen), statistics.median(seen), max(seen))),
+        lines.append([NAMES[model], size, str(len(model_rows)), *map(text, (statistics.fmean(seen), statistics.median(seen), max(seen))),
                       *(text(statistics.fmean(errors[key])) for key in ("worst_delta_e_itp", "flip", "psnr", "rms"))])
     return table(["model", "bytes", "materials", "ΔE_ITP, mean", "median", "worst", "worst light", "ꟻLIP", "PSNR, dB", "RMS"], lines)
 
@@ -207,8 +208,9 @@ def write_page(folder, results, measured):
     if measured:
         lines = []
         for model in models_in(measured.values()):
-            of = [row for row in measured.values() if row["model"] == model]
-            lines.append([NAMES[model], str(len(of)), *(text(statistics.fmean(float(row[key]) for row in of)) for key in PROTOCOLS[4:])])
+            model_rows = [row for row in measured.values() if row["model"] == model]
+            means = [text(statistics.fmean(float(row[key]) for row in model_rows)) for key in PROTOCOLS[4:]]
+            lines.append([NAMES[model], str(len(model_rows)), *means])
         parts += ["## By the measures of publications", f"Means. A sphere of {SPHERE} × {SPHERE} pixels and {PATHS:,} paths under "
                   f"{', '.join(sorted({row['environment'] for row in measured.values()}))}, display values; and {PAIRS:,} pairs of cosine-weighted "
                   "directions.", table(["model", "materials", "MAE", "PSNR, dB", "MAE of f", "SMAPE of f"], lines)]
@@ -217,7 +219,7 @@ def write_page(folder, results, measured):
     for row in rows:
         by.setdefault((row["database"], row["material"]), {})[row["model"]] = text(float(row["delta_e_itp"]))
     parts += ["## Materials", table(["database", "material", *(NAMES[name] for name in names)],
-                                      [[*material, *(of.get(name, "") for name in names)] for material, of in sorted(by.items())])]
+                                      [[*material, *(errors.get(name, "") for name in names)] for material, errors in sorted(by.items())])]
     with open(os.path.join(folder, "README.md"), "w", encoding="utf-8") as file:
         file.write("\n\n".join(parts) + "\n")
     with open(os.path.join(folder, "picture.svg"), "w", encoding="utf-8") as file:

@@ -14,8 +14,8 @@ fitted_to_pictures.py models of several sizes. For two published models the auth
 
 convert_networks.py converts the authors' files to these.
 
-All steps. Capitals stand for folders. `merl_nbrdf` and `rgl-isotropic_nbrdf` are archives of https://github.com/asztr/Neural-BRDF, and `NPs-BRDF`
-is the repository https://github.com/Rendering-at-ZJU/NPs-BRDF. With pip's NumPy 2 install the Python package by `pip install .` instead:
+These are all steps. Words in capitals stand for folders. `merl_nbrdf` and `rgl-isotropic_nbrdf` are archives of
+https://github.com/asztr/Neural-BRDF, and `NPs-BRDF` is the repository https://github.com/Rendering-at-ZJU/NPs-BRDF. With pip's NumPy 2 install the Python package by `pip install .` instead:
 
     sudo apt-get install pybind11-dev python3-dev python3-numpy
     ./run build && cmake --preset release && cmake --build --preset release --target srbf_python
@@ -26,7 +26,8 @@ is the repository https://github.com/Rendering-at-ZJU/NPs-BRDF. With pip's NumPy
     for file in RGL/*_rgb.bsdf; do mv NETWORKS/$(basename $file _rgb.bsdf).txt RGL-NETWORKS; done  # 49 stay in NETWORKS, and 97 in OTHERS
     /usr/bin/python3 paper/stand_ins.py NETWORKS tables
     for file in merl_nbrdf/*.h5; do cp tables/$(basename $file .h5).binary MERL35; done              # those of the 100 that are there: 35
-    PYTHONPATH=build/release/python /usr/bin/python3 paper/rivals.py RGL/*.bsdf tables/*.binary --networks RGL-NETWORKS --codes NPS --tables MERL35 > rows.csv
+    PYTHONPATH=build/release/python /usr/bin/python3 paper/rivals.py RGL/*.bsdf tables/*.binary \\
+        --networks RGL-NETWORKS --codes NPS --tables MERL35 > rows.csv
     cp rows.csv docs/comparison.csv && python3 paper/comparison.py                          # the tables and the plot of this page
     /usr/bin/python3 paper/stand_ins.py OTHERS OTHER-TABLES && ./run leaderboard OTHER-TABLES
     cut -d, -f2,3,6,8-10 build/leaderboard/results.csv > docs/further_tables.csv                   # the 97 others, there in four digits
@@ -60,7 +61,8 @@ FITS = {  # options of srbf.fit
     "cube-root": {"as_measured": True, "objective": "cube-root"},
     "su": {"model": "su", "lobes": 5},
 }
-SIZED = {f"srbf-{lobes}": {"lobes": lobes} for lobes in (1, 2, 6, 32)}  # of RGL's files alone
+# Models that are fitted to RGL's files alone.
+SIZED = {f"srbf-{lobes}": {"lobes": lobes} for lobes in (1, 2, 6, 32)}
 COMPONENTS = (4, 8, 16)
 OF_RGL = {*SIZED, *classic_brdfs.MODELS, *fitted_to_pictures.MODELS} - {"abc"}
 MODELS = [*FITS, *classic_brdfs.MODELS, *SIZED, *fitted_to_pictures.MODELS]

@@ -14,7 +14,8 @@ from reports import material, report, reports
 CSV = os.path.join(comparison.HERE, "..", "docs", "terms.csv")
 SEEDS = range(3)
 WITHOUT = "highlights=1e-9 peaks=1e-9 albedos=1e-9 pixels=1e-9"
-TERMS = {  # rows of the table
+# Rows of the table, and their settings of SRBF_TIMES.
+TERMS = {
     "sixth roots alone, candidates chosen by pairs": WITHOUT + " stage=0",
     "the same, candidates chosen by pictures": WITHOUT,
     "all terms": "default",
@@ -22,19 +23,22 @@ TERMS = {  # rows of the table
     "without albedos": "albedos=1e-9",
     "without cube roots and peaks of highlights": "highlights=1e-9 peaks=1e-9",
 }
-ERRORS = {  # columns, of a report; `mean_` against the reciprocal mean, others against the file
-    "delta_e_itp": lambda of: of["pictures"]["delta_e_itp"],
-    "rms": lambda of: of["pictures"]["rms"],
-    "squared_error": lambda of: of["heldout_squared_error_ratio_cosine"],
-    "albedo_error": lambda of: of["albedo_error"],
-    "mean_delta_e_itp": lambda of: of["mean_pictures"]["delta_e_itp"],
-    "mean_worst_delta_e_itp": lambda of: of["mean_pictures"]["worst_delta_e_itp"],
-    "mean_psnr": lambda of: of["mean_pictures"]["psnr"],
-    "mean_rms": lambda of: of["mean_pictures"]["rms"],
+# Columns of docs/terms.csv, with their numbers in a report. Errors with `mean_` are against the reciprocal mean, the others against the file.
+ERRORS = {
+    "delta_e_itp": lambda outcome: outcome["pictures"]["delta_e_itp"],
+    "rms": lambda outcome: outcome["pictures"]["rms"],
+    "squared_error": lambda outcome: outcome["heldout_squared_error_ratio_cosine"],
+    "albedo_error": lambda outcome: outcome["albedo_error"],
+    "mean_delta_e_itp": lambda outcome: outcome["mean_pictures"]["delta_e_itp"],
+    "mean_worst_delta_e_itp": lambda outcome: outcome["mean_pictures"]["worst_delta_e_itp"],
+    "mean_psnr": lambda outcome: outcome["mean_pictures"]["psnr"],
+    "mean_rms": lambda outcome: outcome["mean_pictures"]["rms"],
 }
 COLUMNS = {
-    "delta_e_itp": ("ΔE_ITP (files)", ".2f"), "mean_delta_e_itp": ("ΔE_ITP (means)", ".2f"), "mean_worst_delta_e_itp": ("worst light (means)", ".1f"),
-    "mean_psnr": ("PSNR (means)", ".1f"), "mean_rms": ("RMS of radiance (means)", ".3f"), "squared_error": ("squared error of r (files)", ".1%"), "albedo_error": ("albedo error (files)", ".1%"),
+    "delta_e_itp": ("ΔE_ITP (files)", ".2f"), "mean_delta_e_itp": ("ΔE_ITP (means)", ".2f"),
+    "mean_worst_delta_e_itp": ("worst light (means)", ".1f"),
+    "mean_psnr": ("PSNR (means)", ".1f"), "mean_rms": ("RMS of radiance (means)", ".3f"),
+    "squared_error": ("squared error of r (files)", ".1%"), "albedo_error": ("albedo error (files)", ".1%"),
 }
 
 
@@ -58,8 +62,8 @@ def add_rows(program, paths):
         if not rows:
             out.writerow(["material", "setting", "seed", *ERRORS])
         fit = lambda path, setting, seed: report(program, path, "--seed", str(seed), SRBF_TIMES=setting)
-        for (path, setting, seed), of in reports(fit, missing):
-            out.writerow([material(path), setting, seed, *(f"{error(of):.5g}" for error in ERRORS.values())])
+        for (path, setting, seed), outcome in reports(fit, missing):
+            out.writerow([material(path), setting, seed, *(f"{error(outcome):.5g}" for error in ERRORS.values())])
             file.flush()
 
 
@@ -70,7 +74,7 @@ def terms_table(rows):
         line = [name]
         for key, (_, form) in COLUMNS.items():
             of_seeds = [statistics.fmean(rows[file, setting, seed][key] for file in materials) for seed in SEEDS]
-            least, largest = (format(of(of_seeds), form) for of in (min, max))
+            least, largest = (format(extreme(of_seeds), form) for extreme in (min, max))
             line.append(f"{least.removesuffix('%')} to {largest.replace('%', ' %')}")
         lines.append(line)
     return comparison.table(["terms", *(head for head, _ in COLUMNS.values())], lines)

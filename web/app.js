@@ -33,7 +33,7 @@ const url = URL.createObjectURL(new Blob([`${binding}\n${working}\nworking();`],
 
 // A worker with the module. Requests that are unanswered when it ends are rejected with null.
 function new_worker() {
-  const thread = new Worker(url), open = new Map(), own = {
+  const thread = new Worker(url), open = new Map(), host = {
     is_busy: () => open.size > 0,
     ask: (question) => new Promise((done, failed) => {
       const id = ++question_count;
@@ -50,19 +50,23 @@ function new_worker() {
     const question = open.get(data.id);
     if (question) {
       open.delete(data.id);
-      own.is_trapped ||= data.is_trap;
-      "error" in data ? question.failed(new Error(data.error)) : question.done(data.result);
-    } else if (own === worker) {
-      "draft" in data ? show_draft(data.draft) : saving ? saving.progress = data.progress : (is_editing ? show_edit_progress : show_progress)(data);
+      host.is_trapped ||= data.is_trap;
+      if ("error" in data) question.failed(new Error(data.error));
+      else question.done(data.result);
+    } else if (host === worker) {
+      if ("draft" in data) show_draft(data.draft);
+      else if (saving) saving.progress = data.progress;
+      else if (is_editing) show_edit_progress(data);
+      else show_progress(data);
     }
   };
-  own.begun = (async () => {
+  host.begun = (async () => {
     cache ??= { module: await load_data("module"), studio: await load_data("studio"), prepared: await load_data("prepared") };
-    const begun = await own.ask({ kind: "begin", ...cache });
+    const begun = await host.ask({ kind: "begin", ...cache });
     cache = begun.cache;
     return begun.viewer;
   })();
-  return own;
+  return host;
 }
 const ask = (question) => worker.ask(question);
 
@@ -131,7 +135,7 @@ async function show_drawing() {
   await viewer.settled();
   if (mine === drawing) classList.remove("drawing");
 }
-// Describes the source of a ready material, or that it is edited, and its licence terms.
+// Describes the source of a ready material, says whether it is edited, and shows its licence terms.
 function show_ready() {
   const { kind, error, about, terms } = file.link.dataset;
   $("name").textContent = edited ? `Edited: made from ${kind}` : kind;
@@ -239,16 +243,16 @@ async function start_pictures(common) {
   set_shown("without", !draws), set_shown("viewer", draws && file !== null);
   if (draws) $("viewer").prepend(document.querySelector("#viewer .pictures"), $("side"), document.querySelector("#viewer > .controls"));
 }
-async function open_in(own, { name, bytes, link }) {
-  await ensure_pictures(await own.begun);
-  return own.ask({ kind: "open", name, bytes, is_ready: Boolean(link) });
+async function open_in(host, { name, bytes, link }) {
+  await ensure_pictures(await host.begun);
+  return host.ask({ kind: "open", name, bytes, is_ready: Boolean(link) });
 }
 // Ends the worker. Its successor reads the page's file again, and the models made so far.
 function renew() {
   const mine = run, made = fitted && { kind: "restore", name: stem(file.name), fitted: fitted.file, edited: edited?.file };
   worker.end();
-  const own = worker = new_worker();
-  return open_in(own, file).then(() => made && own.ask(made)).then(() => true, (error) => void (error && mine === run && fail(error.message)));
+  const host = worker = new_worker();
+  return open_in(host, file).then(() => made && host.ask(made)).then(() => true, (error) => void (error && mine === run && fail(error.message)));
 }
 function take_fit(result) {
   fitted = result;
@@ -286,19 +290,20 @@ function begin_opening() {
   return ++opening;
 }
 async function show_file(mine, name, bytes, link) {
-  const next = { name, bytes, link }, own = spare ?? new_worker();
+  const next = { name, bytes, link }, host = spare ?? new_worker();
   spare = null;
   say(`Reading ${name} …`);
-  const opened = await open_in(own, next).catch((error) => void (error && mine === opening && fail(refusal(name, bytes, error.message))));
-  if (mine !== opening) return own.end();
+  const opened = await open_in(host, next).catch((error) => void (error && mine === opening && fail(refusal(name, bytes, error.message))));
+  if (mine !== opening) return host.end();
   say("");
-  opened ? show_opened(opened, next, own) : own.end();
+  if (opened) show_opened(opened, next, host);
+  else host.end();
   show_address();
 }
-function show_opened(opened, next, own) {
+function show_opened(opened, next, host) {
   const mine = ++run;
   worker?.end();
-  worker = own, file = next, fitted = null;
+  worker = host, file = next, fitted = null;
   begin_editing(null);
   fail("");
   set_shown("saving", false), set_shown("plots", false);
@@ -363,8 +368,8 @@ function element(kind, ...content) {
 // Shows how to use the saved file, one line for each of `steps`. The pattern `name` finds a name in the file for these lines.
 async function show_saved({ note = "", steps = "", name: pattern }, file_name, { content, error }) {
   const parts = { file: file_name, name: pattern && (await content.text()).match(pattern)?.[1] };
-  const of = error && (error.isOfModel ? "material on this page, which has an error of its own" : "measurement");
-  const said = `Saved ${file_name}. ` + (error ? `Blender’s nodes differ by ΔE ${two_digits(error.deltaE)} from the ${of}. ` : "");
+  const reference = error && (error.isOfModel ? "material on this page, which has an error of its own" : "measurement");
+  const said = `Saved ${file_name}. ` + (error ? `Blender’s nodes differ by ΔE ${two_digits(error.deltaE)} from the ${reference}. ` : "");
   const filled = (step) => step.replace(/{(file|name)}/g, (_, part) => parts[part]);
   $("saved").replaceChildren(element("p", said, element("strong", note)));
   if (steps) $("saved").append(element("ol", ...steps.split("\n").map((step) => element("li", filled(step)))));
@@ -416,9 +421,9 @@ for (const button of document.querySelectorAll("[data-sample]")) button.addEvent
 // The address "#NAME" shows a material of the gallery, so that its link can be shared.
 const links = [...document.querySelectorAll("#gallery li a")], linked = (address = location) => links.find((link) => link.href === address.href);
 function show_linked() {
-  const link = linked(), of = location.hash.slice(1);
-  if (link) return show_own(`${of}.srbf`, link);
-  if (of && of !== "lights" && !document.getElementById(of)) fail(`This page has no ready material of the name ${of}.`);
+  const link = linked(), name = location.hash.slice(1);
+  if (link) return show_own(`${name}.srbf`, link);
+  if (name && name !== "lights" && !document.getElementById(name)) fail(`This page has no ready material of the name ${name}.`);
   show_address();
 }
 // The address of the ready material that is shown, or none.

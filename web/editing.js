@@ -24,13 +24,13 @@ const warmth_text = (x) => x === 0 ? "as it is" : x < 0 ? `${Math.round(-100 * x
 
 // The edits for the library: only those that change the model.
 function edits() {
-  const of = {}, is_changed = (...names) => names.some((name) => value(name) !== 0);
-  if (is_changed("roughen")) of.roughen = factor("roughen");
-  if (is_changed("highlight", "highlight_warmth")) of.highlight = tint("highlight");
-  if (is_changed("body", "body_warmth")) of.body = tint("body");
-  if (is_changed("saturate")) of.saturate = saturation();
-  if (is_changed("hue")) of.hue = value("hue");
-  return of;
+  const changes = {}, is_changed = (...names) => names.some((name) => value(name) !== 0);
+  if (is_changed("roughen")) changes.roughen = factor("roughen");
+  if (is_changed("highlight", "highlight_warmth")) changes.highlight = tint("highlight");
+  if (is_changed("body", "body_warmth")) changes.body = tint("body");
+  if (is_changed("saturate")) changes.saturate = saturation();
+  if (is_changed("hue")) changes.hue = value("hue");
+  return changes;
 }
 // The same edits, described with the labels of the sliders.
 const words = () => inputs.filter((input) => value(input.name) !== 0)
@@ -78,9 +78,9 @@ form.addEventListener("submit", (event) => event.preventDefault());
 
 return {
   // Begins with a fitted model, or null if there is none to edit.
-  begin(of) {
-    highlight = of;
-    document.getElementById("editing").hidden = !of;
+  begin(model_data) {
+    highlight = model_data;
+    document.getElementById("editing").hidden = !model_data;
     for (const input of inputs) input.value = 0; // no event
     show_values();
   },

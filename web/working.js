@@ -74,8 +74,8 @@ const actions = {
   // The content is a Blob, which the page receives without a copy. A material for Blender reports its own error.
   // `measurement`: the name and packed bytes of the model's measurement, or null if the page does not have it.
   async save({ what, name, measurement }) {
-    const own = measurement && srbf.open(measurement.name, await unpack(measurement.bytes));
-    const { number } = edited ?? model, table = own ?? measured, is_table = table && !table.twoSided && table.samples === null;
+    const opened = measurement && srbf.open(measurement.name, await unpack(measurement.bytes));
+    const { number } = edited ?? model, table = opened ?? measured, is_table = table && !table.twoSided && table.samples === null;
     const for_blender = !edited && is_table ? table.number : number; // nearer to a measurement than to its fit
     const content = what === "srbf" ? srbf.model_file(number)
       : what === "table" ? srbf.table(number, name)
@@ -83,7 +83,7 @@ const actions = {
       : what === "blender" ? srbf.blender(for_blender)
       : srbf.code(number, what);
     const error = what === "blender" ? { deltaE: srbf.blender_error(for_blender), isOfModel: for_blender === number } : null;
-    if (own) srbf.close(own.number);
+    if (opened) srbf.close(opened.number);
     return { content: new Blob([content], { type: "application/octet-stream" }), error };
   },
 };

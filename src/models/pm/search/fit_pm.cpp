@@ -59,12 +59,10 @@ constexpr Perturbations k_by_pairs[] = {
 /// of the candidates remain for pictures to choose from.
 constexpr Perturbations k_by_pictures[] = {{Pairs::search, 1, 0.12}, {Pairs::search, 0.5, 0.28, 6}};
 
-/// Number of pairs while there are many candidates: about ten for each parameter, or twenty if starts are few or the
-/// table is noisy.
+/// Number of pairs while there are many candidates: in a short search about ten for each parameter.
 std::size_t search_pairs(const Observations& observations, const PmFitOptions& options) {
-    const bool has_many = starts_of(options) >= k_many_starts && !observations.is_noisy();
-    return std::clamp(std::bit_ceil((has_many ? 10 : 20) * parameter_count(options)), std::size_t(1024),
-                      std::size_t(2048));
+    if (!has_short_search(options) || observations.is_noisy()) return 2048;
+    return std::clamp(std::bit_ceil(10 * parameter_count(options)), std::size_t(1024), std::size_t(2048));
 }
 
 std::span<const Perturbations> perturbations(bool with_pictures) {

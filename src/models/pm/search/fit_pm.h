@@ -22,7 +22,8 @@ struct PmFitOptions {
     double finest = 0;
     /// Number of starts: independent growths of J lobes. The best four are polished and one to three of them
     /// finished. For appearance, pictures choose among the better half; one is finished, or an eighth of the starts
-    /// for noisy tables and where pictures are far off. Default: 16 for up to 6 lobes, falling to 12 for 8 and more.
+    /// for noisy tables and where pictures are far off. Default: 16 for up to 6 lobes, falling to 12
+    /// for 8 and more; in forms that are not reciprocal 20, falling to 16.
     std::optional<int> starts = {};
     /// Maximum number of perturbations of a candidate. Each replaces the least useful lobe; every fourth one
     /// replaces the least useful variate instead. All starts get a fifth of the perturbations, the better half
@@ -64,19 +65,26 @@ inline LobeShape shape_of(const PmFitOptions& options) {
 }
 
 inline constexpr int k_most_starts = 1000;
-/// A fit with fewer starts depends more on each, and gives each more random lobes and more pairs.
 inline constexpr int k_many_starts = 12;
 
 /// Default numbers of starts and perturbations. Fits with more lobes use fewer, because each takes longer and
 /// matters less.
 inline int starts_of(const PmFitOptions& options) {
-    const int starts = options.starts.value_or(std::clamp(96 / std::max(options.lobes, 1), k_many_starts, 16));
+    const int lobes = std::max(options.lobes, 1);
+    const int starts = options.starts.value_or(is_reciprocal(options.form) ? std::clamp(96 / lobes, k_many_starts, 16)
+                                                                           : std::clamp(128 / lobes, 16, 20));
     return std::clamp(int(std::lround(options.effort * starts)), 1, k_most_starts);
 }
 inline int perturbations_of(const PmFitOptions& options) {
     const int perturbations =
         options.perturbations.value_or(std::clamp(1600 / std::max(options.lobes * options.lobes, 1), 25, 45));
     return int(std::lround(options.effort * perturbations));
+}
+
+/// True if each start of the search gets half of the random lobes and pairs. Forms that are not reciprocal have more
+/// local minima, and a fit with few starts depends more on each.
+inline bool has_short_search(const PmFitOptions& options) {
+    return is_reciprocal(options.form) && starts_of(options) >= k_many_starts;
 }
 
 /// `options` with at most this many starts and perturbations, for a quick fit that estimates the result of a full

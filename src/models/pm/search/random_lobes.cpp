@@ -8,8 +8,8 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// Number of random lobes from which the best is added, if there are many starts; with few starts twice as many.
-constexpr int k_additions = 128;
+/// Number of random lobes from which the best is added.
+constexpr int k_additions = 256;
 /// This fraction of them are copies of an existing lobe, whose weights are multiplied by up to e and shifted by up
 /// to 2.
 constexpr double k_copies = 0.25, k_log_stretch = 1, k_shift = 2;
@@ -92,9 +92,9 @@ std::mt19937_64 generator(std::uint64_t seed, int start, int stream) {
     return std::mt19937_64(seeds);
 }
 
-std::vector<std::vector<double>> random_candidates(std::mt19937_64& random, const Lobes& lobes, int starts) {
+std::vector<std::vector<double>> random_candidates(std::mt19937_64& random, const Lobes& lobes, bool half) {
     std::vector<std::vector<double>> candidates;
-    const int count = starts < k_many_starts ? 2 * k_additions : k_additions;
+    const int count = half ? k_additions / 2 : k_additions;
     for (int i = 0; i < count; ++i) candidates.push_back(random_lobe(random, lobes));
     return candidates;
 }

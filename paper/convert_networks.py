@@ -1,9 +1,9 @@
 """Converts published networks for rivals.py and stand_ins.py.
 
-python3 bench/convert_networks.py nbrdf FILE.h5... OUT
+python3 paper/convert_networks.py nbrdf FILE.h5... OUT
     converts networks of Sztrajman et al. (data/merl_nbrdf.zip, data/rgl-isotropic_nbrdf.zip of asztr/Neural-BRDF) to
     OUT/NAME.txt
-python3 bench/convert_networks.py nps FOLDER OUT
+python3 paper/convert_networks.py nps FOLDER OUT
     converts the repository of Zheng et al. (Rendering-at-ZJU/NPs-BRDF) to OUT/decoder.f32 and OUT/latents.txt
 
 Needs NumPy and h5py. Run on all networks of Sztrajman et al., but for Zheng et al. only on synthetic files in Keras'

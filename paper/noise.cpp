@@ -1,5 +1,5 @@
-// Noise of the path tracer: the mesh in the bundled studio without ground, with each measurement's default fit and with
-// the measurement itself. Directions to the light are sampled from the prepared mixture or from the cosine; the
+// Noise of the path tracer: the mesh in the bundled studio without ground, with each measurement's fit of form extended,
+// 8 lobes, and with the measurement itself. Directions to the light are sampled from the prepared mixture or from the cosine; the
 // environment is sampled in all cases. Prints the number of paths needed for the same error, relative to the fit with
 // its mixture, and in brackets the time on one thread, also relative. The error is the mean squared error of the
 // displayed picture (tone-mapped, sRGB) over the mesh's pixels, against a picture with 16 times as many paths; the

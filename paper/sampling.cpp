@@ -1,6 +1,7 @@
 // Quality of importance sampling: the relative variance of f cosθl / pdf (luminance) and the share of lost samples, for
 // the multivariate and the view-by-view model with their own proposals, and for the measurement with its own proposal,
-// that of its multivariate model, and the cosine. Fits are the program's defaults, the view-by-view one with 5 lobes.
+// that of its multivariate model, and the cosine. Multivariate fits are
+// of form extended with 8 lobes, the view-by-view one has 5 lobes.
 //   usage: sampling FILE...
 // For prepared measurements and models, prints the median and the largest variance over views every 3° to 85°, and the
 // largest share of lost samples to 89.9°, as CSV in descending order of the largest variance.

@@ -35,7 +35,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Runs `action` with its allocation number `at` failing; whether it has that many.
+/// Lets allocation number `at` of `action` fail. True if it makes as many.
 template <typename Action> bool fails(std::size_t at, const Action& action) {
     allocations = 0, fails_at = at;
     action();
@@ -43,8 +43,7 @@ template <typename Action> bool fails(std::size_t at, const Action& action) {
     return allocations > at;
 }
 
-/// A run for each allocation of each file takes time in their number's square: after the first ones, one of these many
-/// fails.
+/// To try every allocation takes quadratic time: after the first ones, only every k_step-th fails.
 constexpr std::size_t k_step = 61;
 
 TEST(Allocations, ThatFailEndAReader) {

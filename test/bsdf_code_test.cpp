@@ -40,7 +40,7 @@ std::string code_of_bsdfs(const std::vector<Model>& all, CodeLanguage language, 
     return *text;
 }
 
-/// The functions of exported code, by one that takes what is asked.
+/// One C function that calls the exported function that its argument names.
 enum Asked { value_of, beam, mirror_beam, drawn, density };
 const char* const k_answer_text =
     "enum { VALUE, BEAM, MIRROR_BEAM, SAMPLE, PDF };\n"

@@ -14,7 +14,7 @@ def program():
     return next((name for name in ("chromium", "chromium-browser", "google-chrome") if shutil.which(name)), None)
 
 
-LIMIT = 3600  # seconds after which a browser hangs
+LIMIT = 3600  # seconds of silence after which a browser is taken to hang
 
 
 class Chromium:

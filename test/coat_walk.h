@@ -103,8 +103,8 @@ class CoatWalk {
     double alpha_, ior_;
 };
 
-/// The BRDF of the paths: `near` times the ratio of both in bins of directions, which are equal steps of sin²θ of viewer
-/// and light and of the azimuth between them. It is symmetrized.
+/// The BRDF of the paths: `near` times the ratio of the walked light to that of `near`, in bins of directions. They are
+/// equal steps of sin²θ of viewer and light and of the azimuth between them. The BRDF is symmetrized.
 class WalkedCoat {
   public:
     WalkedCoat(const CoatWalk& coat, Evaluate near, int paths) : near_(std::move(near)) {

@@ -18,7 +18,7 @@ Observations grey() {
         {Objective::cosine, 0, 1 << 16, 4});
 }
 
-/// A constant, plus a term that rises to 1e6 where light and view are near the horizon, side by side.
+/// A constant, and a lobe of 1e6 about grazing directions of light and viewer, both at one azimuth.
 PmModel with_spike() {
     PmModel model;
     model.form = PmForm::gaussian;

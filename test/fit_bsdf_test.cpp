@@ -92,7 +92,7 @@ void expect_good(const std::array<Evaluate, k_parts>& parts, bool sides_are_alik
 TEST(FitBsdf, RoughDielectricSlab) { expect_good(rough_slab(), true); }
 TEST(FitBsdf, Leaf) { expect_good(leaf(), false); }
 
-/// What fits one side refuses both.
+/// `fit` refuses a measurement of two sides, and `fit_bsdf` one of a single side.
 TEST(FitBsdf, IsAskedForByName) {
     const Measured sides{"f", "CSV", 0, BsdfTable{{{}}, 0, {}}};
     const std::string expected = "measurement: expected a BRDF, found reflection and transmission, for fit_bsdf";

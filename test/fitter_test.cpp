@@ -188,7 +188,7 @@ TEST(Fitting, SamplesAreCrossValidated) {
 
 // ---- Progress and cancellation ----
 
-/// And every kind of model is measured.
+/// Runs each kind of fit with its measurement of errors.
 TEST(Fitting, ProgressNeverDecreasesAndCancelsInEveryStage) {
     const Measured table = bundled("paper_white_rgb"), scattered = samples();
     struct Case {

@@ -29,7 +29,7 @@ Evaluate brushed(double ax, double ay) {
     };
 }
 
-/// Other random numbers for every other pair.
+/// A generator seeded by the pair: independent numbers for each pair.
 std::mt19937_64 random_at(Vec3f wl, Vec3f wv) {
     std::seed_seq seed{std::uint32_t(1e6f * (2 + wl.x)), std::uint32_t(1e6f * (2 + wl.y)),
                        std::uint32_t(1e6f * (2 + wv.x)), std::uint32_t(1e6f * (2 + wv.y))};

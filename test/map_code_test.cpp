@@ -132,7 +132,7 @@ TEST_F(MapCode, HasTheValuesOfTheTexels) {
     }
 }
 
-/// The halves of a level, a layer after the other, are those of `coarser`, and the alpha is 1.
+/// Level k holds the result of `coarser` applied k times, layer by layer, with alpha 1.
 TEST_F(MapCode, LevelsAreMeans) {
     for (const auto& [width, height] : {std::pair<std::size_t, std::size_t>{8, 4}, {5, 3}, {1, 7}}) {
         const TexelMap map = map_of(true, width, height);
@@ -162,8 +162,7 @@ TEST_F(MapCode, LevelsAreMeans) {
     }
 }
 
-/// Each is the nearest value of sRGB to what the level has, times the scale, which is the largest coefficient of the
-/// lobe. No level saturates, and white is only where a coefficient is the largest.
+/// Each byte is the sRGB code nearest to coefficient / scale; the scale is the lobe's largest coefficient. No level saturates, and white is only where a coefficient is the largest.
 TEST_F(MapCode, BytesAreNearestFractionsOfTheScale) {
     TexelMap map = map_of(true, 5, 3);
     const auto J = std::size_t(map.basis.lobes);

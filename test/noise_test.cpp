@@ -18,7 +18,7 @@ const Measured& bundled(const std::string& name) {
     return read.emplace(name, *load_measured((bundled_data() / (name + ".bsdf")).string())).first->second;
 }
 
-/// About normally distributed, of variance 1, and another number for any other directions or channel.
+/// About normally distributed, of variance 1, independent for other directions or another channel.
 float noise_at(Vec3f wl, Vec3f wv, std::uint32_t channel) {
     // splitmix64 of the bits of the numbers; the sum of twelve uniform numbers of 16 bits
     const auto mixed = [](std::uint64_t x) {

@@ -80,7 +80,7 @@ function(browser_test name program test filter)
   set_property(TEST ${test} APPEND PROPERTY ENVIRONMENT GTEST_FILTER=-${filter})
 endfunction()
 
-# sanitized_filter(TEST FILTER): leaves long tests out under sanitizers, if other tests read the same input.
+# sanitized_filter(TEST FILTER): under sanitizers, skips long tests whose input other tests read, too.
 function(sanitized_filter test filter)
   if(SRBF_SANITIZE)
     set_property(TEST ${test} PROPERTY ENVIRONMENT "GTEST_FILTER=${filter}")

@@ -189,7 +189,7 @@ TEST(FitMap, MatteTexelsHaveNoHighlights) {
     }
 }
 
-/// Coefficients beyond the largest 16-bit float are not cut off: the solution knows of it, and its error is told.
+/// Coefficients beyond the largest 16-bit float are not cut off: the solver bounds them, and the error includes this.
 TEST(FitMap, TexelsTooBrightForTheScaleHaveTheirErrors) {
     const TexelMap map = some_map();
     const auto [wl, wv] = some_pairs(128);

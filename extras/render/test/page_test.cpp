@@ -95,7 +95,7 @@ TEST(Page, HoldsItsShadersAndNothingFromOutside) {
     EXPECT_EQ(count(plots, "<figure"), 0u);
     EXPECT_EQ(count(plots, "<svg class="), k_slice_theta.size());
     EXPECT_LT(plots.size(), html.size());
-    // What there is but one of is not to be chosen from, nor does it differ.
+    // A page with one material has no buttons to choose, and no difference picture.
     Page one = page;
     one.materials.resize(1);
     one.table[0].cells.resize(1);
@@ -103,12 +103,12 @@ TEST(Page, HoldsItsShadersAndNothingFromOutside) {
     EXPECT_EQ(count(single, "<canvas"), 1u);
     EXPECT_EQ(count(single, "<button type='button' data-show"), 0u);
     EXPECT_EQ(count(single, "material differs"), 0u);
-    // A mesh of one's own is what is shown first.
+    // The user's own mesh is selected first.
     EXPECT_EQ(count(html, "<select name=\"mesh\"><option value=\"own\">&lt;own&gt;</option>"), 1u);
     Page built_in = one;
     built_in.mesh.reset();
     EXPECT_EQ(count(page_html(built_in), "<select name=\"mesh\"><option value=\"ball\">"), 1u);
-    // A light behind is for what light passes through.
+    // Only a material that transmits light has the light behind.
     EXPECT_EQ(count(html, "name='behind'"), 1u);
     EXPECT_EQ(count(single, "name='behind'"), 0u);
 }

@@ -61,7 +61,7 @@ struct LightSample {
 };
 
 /// Prepares a model or a measurement, and the front alone of a surface with two sides. Also computes a density to
-/// sample by, in about 100 ms of processor time for an isotropic model and 400 ms for an anisotropic one. 0 threads are as
+/// sample by, in about 50 ms of processor time for an isotropic model and 400 ms for an anisotropic one. 0 threads are as
 /// many as the machine has, which is also the most; the result does not depend on their number. `prepare` of prepared.h
 /// takes what load_model or load_measured reads, and further options.
 PreparedBrdf prepare(const LoadedBrdf& brdf, int threads = 0);

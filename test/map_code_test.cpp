@@ -162,7 +162,8 @@ TEST_F(MapCode, LevelsAreMeans) {
     }
 }
 
-/// Each byte is the sRGB code nearest to coefficient / scale; the scale is the lobe's largest coefficient. No level saturates, and white is only where a coefficient is the largest.
+/// Each byte is the sRGB code nearest to coefficient / scale; the scale is the lobe's largest coefficient. No level
+/// saturates, and white is only where a coefficient is the largest.
 TEST_F(MapCode, BytesAreNearestFractionsOfTheScale) {
     TexelMap map = map_of(true, 5, 3);
     const auto J = std::size_t(map.basis.lobes);

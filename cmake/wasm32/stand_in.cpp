@@ -1,4 +1,5 @@
-// Functions that compilers call for exceptions, which the library does not throw, and at the end of a thread. There is one thread.
+// Functions that compilers call for exceptions, which the library does not throw, and at the end of a thread. There is
+// one thread.
 #include <cstddef>
 #include <cstdlib>
 

@@ -74,7 +74,7 @@ Lobes search_for_lobes(std::span<const std::unique_ptr<Rows>> rows, const MapOpt
         while (lobes.count() < end) {
             problem.loss(pack(lobes));
             if (lobes.count() == begin) problem.weigh();
-            const auto additions = random_candidates(random, lobes, false);
+            const auto additions = random_candidates(random, lobes, k_additions);
             lobes = with_lobe(std::move(lobes), problem.best_addition(additions));
         }
         Eigen::VectorXd x = pack(lobes);

@@ -5,11 +5,8 @@
 #include "srbf/model.h"
 
 namespace SRBF_NAMESPACE {
-Rgb value(const GgxModel& model, Vec3f wl, Vec3f wv) {
-    Rgb f;
-    evaluate(model, {&wl, 1}, {&wv, 1}, {&f, 1});
-    return f;
-}
+
+Rgb value(const GgxModel& model, Vec3f wl, Vec3f wv) { return value<GgxModel>(model, wl, wv); }
 
 Evaluate evaluator(const GgxModel& model) {
     return [&model](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); };

@@ -94,7 +94,7 @@ void evaluate(const M& model, std::span<const Vec3f> wl, std::span<const Vec3f> 
         f[i] = above_horizon(wl[i], wv[i]) ? Rgb{value.x, value.y, value.z} : Rgb{};
     }
 }
-template <OfPairs M> Rgb value(const M& model, Vec3f wl, Vec3f wv) {
+template <OfNumbers M> Rgb value(const M& model, Vec3f wl, Vec3f wv) {
     Rgb f;
     evaluate(model, {&wl, 1}, {&wv, 1}, {&f, 1});
     return f;

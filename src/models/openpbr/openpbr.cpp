@@ -13,11 +13,7 @@ std::optional<OpenPbrSurfaceKind> openpbr_surface_named(std::string_view name) {
     return OpenPbrSurfaceKind(found - k_openpbr_surfaces.begin());
 }
 
-Rgb value(const OpenPbrModel& model, Vec3f wl, Vec3f wv) {
-    Rgb f;
-    evaluate(model, {&wl, 1}, {&wv, 1}, {&f, 1});
-    return f;
-}
+Rgb value(const OpenPbrModel& model, Vec3f wl, Vec3f wv) { return value<OpenPbrModel>(model, wl, wv); }
 
 Evaluate evaluator(const OpenPbrModel& model) {
     return [&model](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); };

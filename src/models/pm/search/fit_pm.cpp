@@ -61,8 +61,8 @@ constexpr Perturbations k_by_pictures[] = {{Pairs::search, 1, 0.12}, {Pairs::sea
 
 /// Number of pairs while there are many candidates: in a short search about ten for each parameter.
 std::size_t search_pairs(const Observations& observations, const PmFitOptions& options) {
-    if (!has_short_search(options) || observations.is_noisy()) return 2048;
-    return std::clamp(std::bit_ceil(10 * parameter_count(options)), std::size_t(1024), std::size_t(2048));
+    if (!has_short_search(options) || observations.is_noisy()) return k_search_pairs;
+    return std::clamp(std::bit_ceil(10 * parameter_count(options)), k_search_pairs / 2, k_search_pairs);
 }
 
 std::span<const Perturbations> perturbations(bool with_pictures) {

@@ -65,7 +65,7 @@ inline LobeShape shape_of(const PmFitOptions& options) {
 }
 
 inline constexpr int k_most_starts = 1000;
-inline constexpr int k_many_starts = 12;
+inline constexpr int k_many_starts = 12;  ///< the fewest of a default fit
 
 /// Default numbers of starts and perturbations. Fits with more lobes use fewer, because each takes longer and
 /// matters less.

@@ -8,9 +8,7 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// Number of random lobes from which the best is added.
-constexpr int k_additions = 256;
-/// This fraction of them are copies of an existing lobe, whose weights are multiplied by up to e and shifted by up
+/// This fraction of random lobes are copies of an existing lobe, whose weights are multiplied by up to e and shifted by up
 /// to 2.
 constexpr double k_copies = 0.25, k_log_stretch = 1, k_shift = 2;
 
@@ -92,9 +90,8 @@ std::mt19937_64 generator(std::uint64_t seed, int start, int stream) {
     return std::mt19937_64(seeds);
 }
 
-std::vector<std::vector<double>> random_candidates(std::mt19937_64& random, const Lobes& lobes, bool half) {
+std::vector<std::vector<double>> random_candidates(std::mt19937_64& random, const Lobes& lobes, int count) {
     std::vector<std::vector<double>> candidates;
-    const int count = half ? k_additions / 2 : k_additions;
     for (int i = 0; i < count; ++i) candidates.push_back(random_lobe(random, lobes));
     return candidates;
 }

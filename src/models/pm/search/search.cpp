@@ -35,7 +35,7 @@ void keep_if_better(LobeProblem& problem, Candidate& candidate, const Lobes& lob
 
 /// Adds the best of many random lobes.
 Lobes with_best_lobe(LobeProblem& problem, Lobes lobes, const PmFitOptions& options, std::mt19937_64& random) {
-    const auto additions = random_candidates(random, lobes, has_short_search(options));
+    const auto additions = random_candidates(random, lobes, has_short_search(options) ? k_additions / 2 : k_additions);
     problem.loss(pack(lobes));
     return with_lobe(std::move(lobes), problem.best_addition(additions));
 }

@@ -52,8 +52,11 @@ Lobes initial_parameterizations(const LobeShape& shape, int start, std::mt19937_
 /// `lobes`. Half of the general centres are poles, the others are uniform on the sphere.
 std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes);
 
-/// Random candidates for an additional lobe: 256, or half of them.
-std::vector<std::vector<double>> random_candidates(std::mt19937_64& random, const Lobes& lobes, bool half);
+/// Number of random lobes from which the best is added.
+inline constexpr int k_additions = 256;
+
+/// `count` random candidates for an additional lobe.
+std::vector<std::vector<double>> random_candidates(std::mt19937_64& random, const Lobes& lobes, int count);
 /// The lobes with `lobe` added, or with a lobe of weights 0 if `lobe` is empty.
 Lobes with_lobe(Lobes lobes, const std::vector<double>& lobe);
 Lobes without_lobe(Lobes lobes, std::ptrdiff_t j);

@@ -12,7 +12,6 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-constexpr std::size_t k_selection_pairs = 4096, k_polish_pairs = 16384;
 /// Maximum number of exceeded bound pairs that are added for each candidate.
 constexpr std::size_t k_most_added = 16;
 

@@ -6,7 +6,9 @@
 
 namespace SRBF_NAMESPACE {
 
-/// Which first pairs are rows: those of a search with many candidates, 4096 afterwards, 16384 in the polish, all.
+inline constexpr std::size_t k_search_pairs = 2048, k_selection_pairs = 4096, k_polish_pairs = 16384;
+
+/// Which first pairs are rows: those of a search with many candidates, more afterwards, more in the polish, or all.
 /// Pictures are observed beside `selection` and `all`. A quick fit, with fewer observations than another's polish,
 /// uses `selection` instead of `search`, because its first candidates are its only ones.
 enum class Pairs { search, selection, polish, all };
@@ -22,7 +24,7 @@ struct FurtherTerms {
 class Subsets {
   public:
     /// Keeps a reference to `observations`, which must outlive it.
-    explicit Subsets(const Observations& observations, std::size_t search_pairs = 2048);
+    explicit Subsets(const Observations& observations, std::size_t search_pairs = k_search_pairs);
 
     /// Evaluates the candidates at the other observations. Adds those at which they exceed the measurement, and
     /// updates the loss to which the weight of integrals is relative.

@@ -46,11 +46,11 @@ int CompareCommand::run_on_parts(const Subject& a, const Subject& b, double thet
                        printable(reference), theta);
         has_common_part = true;
         Json measures;
-        add_measures(measures, comparison, "");
+        add_measures(measures, comparison);
         report[std::string(name(part))] = measures;
         if (json == "-") continue;
         fmt::print("\n{}\n", name(part));
-        print_measures({{"", &comparison}});
+        print_measures(comparison);
     }
     if (!has_common_part)
         return complain(input_error(fmt::format("{} and {}", reference, other), "parts", "one that both have",
@@ -75,7 +75,9 @@ int CompareCommand::run() const {
     const auto* model = std::get_if<Model>(&b->content);
     const std::vector<Vec3f> directions = model ? matrix_directions(*model, theta * k_degree)
                                                 : fibonacci_directions(k_matrix_directions, theta * k_degree);
-    const Comparison comparison = compare(evaluator(*a), others, {theta * k_degree, threads}, directions)[0];
+    const MeasureOptions options{
+        .max_theta = theta * k_degree, .threads = threads, .isotropic = is_isotropic(*a) && is_isotropic(*b)};
+    const Comparison comparison = compare(evaluator(*a), others, options, directions)[0];
 
     if (comparison.matrix.pairs == 0 || comparison.heldout.pairs == 0)
         return complain(input_error(fmt::format("{} and {}", reference, other), "compared pairs of directions",
@@ -83,7 +85,7 @@ int CompareCommand::run() const {
 
     const auto repeats = repeatability(a->content, threads);
     Json report{{"reference", reference}, {"other", other}, {"max_theta", theta}};
-    add_measures(report, comparison, "");
+    add_measures(report, comparison);
     if (repeats) report["exchanged_pictures"] = json_of(*repeats);
     report["pairs"] = comparison.matrix.pairs;
     report["masked_pairs"] = comparison.matrix.masked;
@@ -93,7 +95,7 @@ int CompareCommand::run() const {
 
     fmt::print("{} against {}, directions within {:g}° of the normal\n\n", printable(other), printable(reference),
                theta);
-    print_measures({{"", &comparison}});
+    print_measures(comparison);
     if (repeats) fmt::print("\n{} repeats itself {}\n", printable(reference), repeats_text(*repeats));
     if (comparison.matrix.masked > 0)
         fmt::print("\n{} of {} pairs of the matrix were not measured and are skipped\n",

@@ -93,8 +93,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
         {"peak_ratio", peak.ratio},
     });
     if (outcome.empty_directions) json["empty_directions"] = *outcome.empty_directions;
-    add_measures(json, *outcome.errors, "");
-    add_measures(json, *outcome.unrounded_errors, "unrounded_");
+    add_measures(json, *outcome.errors);
     json["headline"] = headline(*outcome.errors);
     if (outcome.samples) json["judged_pictures"] = json_of(judged(*outcome.errors));
     if (outcome.noise) json["noise"] = share_of(*outcome.noise);
@@ -135,7 +134,7 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
     fmt::print("  peak      {}\n", peak_text(peak_of(measured)));
     print_repeatability(request, outcome);
     fmt::print("\n");
-    print_measures({{"as stored", &*outcome.errors}, {"before rounding", &*outcome.unrounded_errors}});
+    print_measures(*outcome.errors);
     if (outcome.samples)
         fmt::print(
             "  Matrix: at the samples themselves. Held out: {}-fold cross-validated. Albedo and pictures: against\n"

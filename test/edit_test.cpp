@@ -33,7 +33,7 @@ const Material k_materials[] = {
 
 double visible_error(const Evaluate& truth, const Evaluate& other) {
     constexpr int k_pixels = 32;
-    return compare_pictures(truth, {&other, 1}, 0, {}, k_pixels, true)[0].mean.delta_e;
+    return compare_pictures(truth, {&other, 1}, {.size = k_pixels, .is_isotropic = true})[0].mean.delta_e;
 }
 const PmModel& pm(const Model& model) { return std::get<PmModel>(model.model); }
 

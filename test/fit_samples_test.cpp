@@ -523,7 +523,7 @@ TEST(FitToSamples, LooksLikeTheMaterialInGaps) {
             measure_heldout(rgb_channels(truth), rgb_channels(others), {k_cap}, 20000)[0].squared_error_ratio_cosine /
             seeds;
         albedo += albedo_errors(truth, others, {k_cap})[0] / seeds;
-        const Appearance appearance = compare_pictures(truth, others, 0, {}, 32)[0];
+        const Appearance appearance = compare_pictures(truth, others, {.size = 32})[0];
         delta_e += appearance.mean.delta_e / seeds;
         worst += appearance.worst_delta_e / seeds;
     }

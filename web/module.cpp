@@ -351,7 +351,7 @@ SRBF_EXPORT(blender_error) int blender_error(int number) {
     if (!subject || g_closures.knots() == 0) return fail(unknown("that of a script's measurement or model"));
     const Evaluate f = evaluator(*subject), fitted = evaluator(g_closures);
     const bool isotropic = is_isotropic(f, default_max_theta(k_default_objective));
-    return set_json(compare_pictures(f, {&fitted, 1}, 0, {}, k_sphere_pixels, isotropic)[0].mean.delta_e);
+    return set_json(compare_pictures(f, {&fitted, 1}, {.is_isotropic = isotropic})[0].mean.delta_e);
 }
 
 /// The subject as a table, for a file with this name.

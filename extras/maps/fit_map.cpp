@@ -202,7 +202,9 @@ Result<TexelMap> fit_map(std::span<const Measured> materials, const MapOptions& 
     parallel_for(materials.size(), options.threads, [&](std::size_t t) {
         const Model model = texel(map, t);
         const Evaluate fitted = evaluator(model);
-        const auto of_pictures = compare_pictures(evaluator(materials[t]), {&fitted, 1}, 1);
+        const auto of_pictures =
+            compare_pictures(evaluator(materials[t]), {&fitted, 1},
+                             {.threads = 1, .is_isotropic = is_isotropic(materials[t]) && is_isotropic(model)});
         map.error[t] = round_to_half(float(std::min(of_pictures[0].mean.delta_e, double(k_half_max))));
         reporter.advance("measuring errors", 0.5);
     });

@@ -131,20 +131,28 @@ Appearance mean_of(std::span<const Appearance> all) {
     return summarise(std::move(lighting));
 }
 
-std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<const Evaluate> others, int threads,
-                                         const ProgressToken& progress, int size, bool is_isotropic) {
-    std::vector<Evaluate> brdfs{reference};
-    brdfs.insert(brdfs.end(), others.begin(), others.end());
-    const auto images =
-        sphere_pictures(brdfs, standard_lightings(), size, threads, progress, k_mirror_points, is_isotropic);
-    std::vector<Appearance> all(others.size());
+std::vector<Appearance> compare_pictures(std::span<const Evaluate> brdfs, std::span<const ComparedPair> pairs,
+                                         const PictureOptions& options) {
+    const auto images = sphere_pictures(brdfs, standard_lightings(), options.size, options.threads, options.progress,
+                                        k_mirror_points, options.is_isotropic);
+    std::vector<Appearance> all(pairs.size());
     for (Appearance& appearance : all) appearance.lighting.resize(images.size());
-    parallel_for(images.size() * others.size(), threads, [&](std::size_t i) {
-        const std::size_t lighting = i / others.size(), other = i % others.size();
-        all[other].lighting[lighting] = picture_errors(images[lighting].front(), images[lighting][other + 1]);
+    parallel_for(images.size() * pairs.size(), options.threads, [&](std::size_t i) {
+        const std::size_t lighting = i / pairs.size(), pair = i % pairs.size();
+        const auto [reference, other] = pairs[pair];
+        all[pair].lighting[lighting] = picture_errors(images[lighting][reference], images[lighting][other]);
     });
     for (Appearance& appearance : all) appearance = summarise(std::move(appearance.lighting));
     return all;
+}
+
+std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<const Evaluate> others,
+                                         const PictureOptions& options) {
+    std::vector<Evaluate> brdfs{reference};
+    brdfs.insert(brdfs.end(), others.begin(), others.end());
+    std::vector<ComparedPair> pairs;
+    for (std::size_t other = 1; other < brdfs.size(); ++other) pairs.push_back({0, other});
+    return compare_pictures(brdfs, pairs, options);
 }
 
 }  // namespace srbf

@@ -43,9 +43,21 @@ Appearance judged(const Comparison& of);
 std::string headline(const Comparison& of, std::string_view between_sentences = "; ");
 /// The mean of at least one.
 Appearance mean_of(std::span<const Appearance> all);
-/// `is_isotropic`: the reference is, which saves time.
-std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<const Evaluate> others, int threads = 0,
-                                         const ProgressToken& progress = {}, int size = k_sphere_pixels,
-                                         bool is_isotropic = false);
+/// How pictures are compared. `is_isotropic`: all BRDFs are, which saves time.
+struct PictureOptions {
+    int threads = 0, size = k_sphere_pixels;
+    bool is_isotropic = false;
+    ProgressToken progress = {};
+};
+/// BRDFs whose pictures are compared, as indices.
+struct ComparedPair {
+    std::size_t reference, other;
+};
+/// The errors of pictures of each of the pairs, under the standard lightings.
+std::vector<Appearance> compare_pictures(std::span<const Evaluate> brdfs, std::span<const ComparedPair> pairs,
+                                         const PictureOptions& options = {});
+/// The errors of each of `others` against the reference.
+std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<const Evaluate> others,
+                                         const PictureOptions& options = {});
 
 SRBF_END

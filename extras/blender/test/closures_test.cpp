@@ -16,7 +16,7 @@ ClosureSum constant(const Closure& closure, const Rgb& diffuse, std::size_t knot
 }
 
 double delta_e(const Evaluate& reference, const Evaluate& other) {
-    return compare_pictures(reference, {&other, 1}, 0, {}, k_sphere_pixels, true)[0].mean.delta_e;
+    return compare_pictures(reference, {&other, 1}, {.is_isotropic = true})[0].mean.delta_e;
 }
 
 /// Without a tilt and with one α the term is Beckmann's surface of facets.

@@ -97,7 +97,7 @@ Result<std::optional<Environment>> load_light(const std::string& name) {
 }
 
 PreparedBsdf prepare_subject(const Subject& subject, int threads) {
-    const ProposeOptions options{.azimuths = azimuths_of(subject), .threads = threads};
+    const ProposeOptions options{.azimuths = azimuths_for(is_isotropic(subject)), .threads = threads};
     return std::visit([&](const auto& content) { return prepare_bsdf(content, options); }, subject.content);
 }
 

@@ -69,7 +69,7 @@ int CompareCommand::run() const {
     const auto writable = check_outputs({reference, other}, {json == "-" ? "" : json});
     if (!writable) return complain(writable.error());
 
-    const double own = fitted_theta(*b), theta = max_theta > 0 ? max_theta : own > 0 ? own : 80;
+    const double fitted = fitted_theta(*b), theta = max_theta > 0 ? max_theta : fitted > 0 ? fitted : 80;
     if (is_two_sided(a->content) || is_two_sided(b->content)) return run_on_parts(*a, *b, theta);
     const Evaluate others[] = {evaluator(*b)};
     const auto* model = std::get_if<Model>(&b->content);

@@ -48,8 +48,8 @@ Result<Measured> ConvertCommand::smoothed(const Subject& subject) const {
     }
     MbsdfOptions options;
     options.threads = threads;
-    if (const auto* own = std::get_if<MbsdfTable>(&measured->table))
-        options.polar = own->polar, options.azimuths = own->azimuths;
+    if (const auto* mbsdf = std::get_if<MbsdfTable>(&measured->table))
+        options.polar = mbsdf->polar, options.azimuths = mbsdf->azimuths;
     return Measured{measured->source, "smoothed", 0, to_mbsdf(*quiet, options)};
 }
 
@@ -75,7 +75,7 @@ Result<std::vector<std::byte>> ConvertCommand::converted(const Subject& subject)
 int ConvertCommand::run() const {
     auto subject = load_subject(input, read);
     if (!subject) return complain(subject.error());
-    if (exchange) std::visit([](auto& of) { srbf::exchange(of); }, subject->content);
+    if (exchange) std::visit([](auto& content) { srbf::exchange(content); }, subject->content);
     if (const auto writable = check_outputs({input}, {output}); !writable) return complain(writable.error());
     if (smooth) {
         auto made = smoothed(*subject);

@@ -188,9 +188,9 @@ void print_sides(const Subject& subject) {
             fmt::print("{:>#10.4g}", sum);
         }
         fmt::print("\n");
-        const auto own = measured ? std::get<BsdfTable>(measured->table).band().part[p] : nullptr;
+        const auto data = measured ? std::get<BsdfTable>(measured->table).band().part[p] : nullptr;
         peaks += fmt::format("  {:<22}{}\n", name(part),
-                             peak_text(own ? peak_of(*own) : peak_of(part_of(bsdf, part)), is_transmission(part)));
+                             peak_text(data ? peak_of(*data) : peak_of(part_of(bsdf, part)), is_transmission(part)));
     }
     for (const std::size_t side : {0, 1}) {
         fmt::print("  {:<22}", side ? "total, from the back" : "total, from the front");

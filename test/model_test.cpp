@@ -85,12 +85,12 @@ TEST(Model, NumbersThatHalvesDoNotHoldAreRefused) {
         for (auto& [name, value] : changed)
             if (auto* array = std::get_if<NumberArray>(&value); array && name != "centre" && name != "parameterization")
                 for (float& x : std::span(array->numbers).first(std::min<std::size_t>(array->numbers.size(), 1))) {
-                    const float own = x;
+                    const float valid = x;
                     for (const float wrong : {1e6f, 1e-9f}) {
                         x = wrong;
                         EXPECT_FALSE(model_from(changed).ok()) << name;
                     }
-                    x = own;
+                    x = valid;
                 }
     }
 }

@@ -103,7 +103,7 @@ class RasterMaterial {
     void load(const PmModel& model);
     void load(const SuModel& model);
     void load(const BsdfTables& tables);
-    template <typename M> void load(const M& of) { load(uniform_of(of)); }  // numbers of a BSDF are in the text
+    template <typename M> void load(const M& model) { load(uniform_of(model)); }  // numbers of a BSDF are in the text
     void load(const Uniform& uniform);
     void load_table(std::array<std::uint32_t, 3> size, std::vector<Float4> texels);
 

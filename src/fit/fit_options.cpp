@@ -109,17 +109,17 @@ FitOptionRow form() {
 FitOptionRow objective() {
     std::string about = "What the fit minimises:";
     std::vector<Text> names;
-    for (const Objective of : objectives()) {
-        names.push_back(name(of));
-        about += fmt::format("\n{}: {}", name(of), summary(of));
+    for (const Objective objective : objectives()) {
+        names.push_back(name(objective));
+        about += fmt::format("\n{}: {}", name(objective), summary(objective));
     }
     return word({"objective", k_all, "NAME", about, preset(name(k_request.objective))}, names,
                 [](FitRequest& r, Text text) { return store(objective_named(text), r.objective); });
 }
 std::string default_angles() {
     std::vector<std::string> angles;
-    for (const Objective of : objectives())
-        angles.push_back(fmt::format("{} {:g}", name(of), default_max_theta(of) / k_degree));
+    for (const Objective objective : objectives())
+        angles.push_back(fmt::format("{} {:g}", name(objective), default_max_theta(objective) / k_degree));
     return fmt::format("{}", fmt::join(angles, ", "));
 }
 

@@ -206,8 +206,8 @@ std::string lit_code(const TexelMap& map, CodeLanguage language) {
     const auto text = map_code(map, "map", {.language = language, .albedo = true, .with = {"environment", "area"}});
     return text ? *text : (ADD_FAILURE() << message(text.error()), "");
 }
-void expect_near_colour(const Rgb& found, const Rgb& expected, float relative, const std::string& of) {
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], relative * expected[c] + 1e-30f) << of;
+void expect_near_colour(const Rgb& found, const Rgb& expected, float relative, const std::string& about) {
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], relative * expected[c] + 1e-30f) << about;
 }
 
 /// The radiance of an even environment is reflected by the albedo, and that of a large quadrilateral near the surface; both
@@ -238,15 +238,15 @@ TEST_F(EnvironmentCodes, LightOfMapsIsLinear) {
         for (int c = 0; c < 3; ++c) mean[j][c] = 0.5f * (map.coefficient[j][c] + map.coefficient[J + j][c]);
     for (const double z : {0.1, 0.4, 0.75, 0.99}) {
         const Vec3f wv = to_float(spherical(std::acos(z), 0.3));
-        std::array<std::array<Rgb, 3>, 3> of;
-        answer(map.coefficient.data(), &wv, of[0].data());
-        answer(&map.coefficient[J], &wv, of[1].data());
-        answer(mean.data(), &wv, of[2].data());
+        std::array<std::array<Rgb, 3>, 3> colours;
+        answer(map.coefficient.data(), &wv, colours[0].data());
+        answer(&map.coefficient[J], &wv, colours[1].data());
+        answer(mean.data(), &wv, colours[2].data());
         for (const std::size_t k : {0, 1, 2}) {
             Rgb half;
-            for (int c = 0; c < 3; ++c) half[c] = 0.5f * (of[0][k][c] + of[1][k][c]);
-            expect_near_colour(of[2][k], half, 1e-5f, "linear");
-            expect_near_colour(of[0][k], of[0][0], 0.05f, fmt::format("albedo {} {}", k, z));
+            for (int c = 0; c < 3; ++c) half[c] = 0.5f * (colours[0][k][c] + colours[1][k][c]);
+            expect_near_colour(colours[2][k], half, 1e-5f, "linear");
+            expect_near_colour(colours[0][k], colours[0][0], 0.05f, fmt::format("albedo {} {}", k, z));
         }
     }
 }
@@ -299,10 +299,10 @@ TEST_F(EnvironmentCodes, UnrolledLoopsComputeTheSame) {
     for (int i = 0; i < 50; ++i) {
         const Vec3f wv = to_float(random_direction(random, 0.05));
         const std::array<Vec3f, 4> corners = random_quadrilateral(random, 0.3).corners();
-        std::array<std::array<Rgb, 2>, 2> of;
-        for (const int k : {0, 1}) answers[std::size_t(k)](&wv, corners.data(), of[std::size_t(k)].data());
+        std::array<std::array<Rgb, 2>, 2> f;
+        for (const int k : {0, 1}) answers[std::size_t(k)](&wv, corners.data(), f[std::size_t(k)].data());
         for (const int k : {0, 1})
-            expect_near_colour(of[1][std::size_t(k)], of[0][std::size_t(k)], 2e-4f, fmt::format("{} {}", k, i));
+            expect_near_colour(f[1][std::size_t(k)], f[0][std::size_t(k)], 2e-4f, fmt::format("{} {}", k, i));
     }
 }
 

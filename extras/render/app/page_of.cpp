@@ -26,7 +26,7 @@ std::string kind_of(const Subject& subject) {
 double common_theta(const std::vector<Subject>& models) {
     double least = 90;
     for (const Subject& model : models)
-        if (const double own = fitted_theta(model); own > 0) least = std::min(least, own);
+        if (const double fitted = fitted_theta(model); fitted > 0) least = std::min(least, fitted);
     return least < 90 ? least : 80;
 }
 

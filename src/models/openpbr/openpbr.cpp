@@ -61,8 +61,8 @@ std::string Kind<OpenPbrModel>::formula_text(const OpenPbrModel& model, const Nu
     const Vec3f base = kernel_surface(model).base_color;  // product of base_color and base_weight
     const std::string r = number(base.x, "", 0), g = number(base.y, "", 1), b = number(base.z, "", 2);
     text += fmt::format("    of.base_color = Vec3({}, {}, {});\n", r, g, b);
-    for (const OpenPbrParameter& of : std::span(k_openpbr_parameters).subspan(2, 14))
-        text += fmt::format("    of.{} = {};\n", of.name, text_of(model, of, number));
+    for (const OpenPbrParameter& row : std::span(k_openpbr_parameters).subspan(2, 14))
+        text += fmt::format("    of.{} = {};\n", row.name, text_of(model, row, number));
 
     const std::string directions = model.is_exchanged ? "wv, wl" : "wl, wv";
     const bool is_anisotropic = model.specular_roughness_anisotropy > 0;

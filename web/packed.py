@@ -139,7 +139,7 @@ def packed(page):
     for k, (where, name, numbers, choices, scale) in enumerate(parts_of(data)):
         where[name] = f"@part{k}@"
         tries = [(differences(numbers, strides), strides) for strides in choices]
-        best, strides = min(tries, key=lambda of: len(zlib.compress(of[0], 9)))
+        best, strides = min(tries, key=lambda packing: len(zlib.compress(packing[0], 9)))
         parts.append({"kind": name, "strides": strides, "count": len(numbers), "scale": scale})
         binary += best
     page = DATA.sub(lambda _: json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"), page)

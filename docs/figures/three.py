@@ -76,7 +76,7 @@ def best(error):
     least = error(numbers)
     while step > FINE:
         tries = [np.clip(numbers + sign * step * np.eye(5)[i], 0, 1) for i in range(5) for sign in (-1, 1)]
-        errors = [error(of) for of in tries]
+        errors = [error(guess) for guess in tries]
         if min(errors) < least:
             least, numbers = min(errors), tries[int(np.argmin(errors))]
         else:
@@ -93,7 +93,7 @@ def row(page, reference, inside):
     """The panels of a row: a name and a picture each."""
     error = lambda picture: delta_e(picture[inside], reference[inside])
     film = drawn(page)
-    numbers, least = best(lambda of: error(drawn(page, of.tolist())))
+    numbers, least = best(lambda guess: error(drawn(page, guess.tolist())))
     print("colour, roughness, metalness", numbers.round(3).tolist())
     return [("measured", reference), (f"FilmMaterial, ΔE {error(film):.1f}", film),
             (f"MeshStandard, ΔE {least:.1f}", drawn(page, numbers.tolist()))]

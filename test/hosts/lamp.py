@@ -33,7 +33,7 @@ function load(id) {
     return loaded[id].exports;
 }
 load.o = (object, name) => Object.hasOwn(object, name);
-load.d = (exports, of) => Object.keys(of).forEach((name) => Object.defineProperty(exports, name, { enumerable: true, configurable: true, get: of[name] }));
+load.d = (exports, getters) => Object.keys(getters).forEach((name) => Object.defineProperty(exports, name, { enumerable: true, configurable: true, get: getters[name] }));
 load.r = (exports) => Object.defineProperty(exports, "__esModule", { value: true });
 load.n = (module) => Object.assign(() => module.default ?? module, { a: module.default ?? module });
 load.g = window;
@@ -146,12 +146,12 @@ def hosts():
 
 failures, ran, rows, names = [], [], {material: [] for material in MATERIALS}, sys.argv[4:]
 with tempfile.TemporaryDirectory() as folder:
-    models, own = {}, {}
+    models, references = {}, {}
     for material, measurement in MATERIALS.items():
         models[material] = Path(folder, material, "material.srbf")
         models[material].parent.mkdir()
         subprocess.run([program, "fit", here.parents[2] / f"data/{measurement}.bsdf", "-o", models[material]], check=True, stdout=subprocess.DEVNULL)
-        own[material] = lamp.reference(program, models[material], folder)
+        references[material] = lamp.reference(program, models[material], folder)
     for host, installed, export, ending, draw in hosts():
         if names and host not in names:
             continue
@@ -169,7 +169,7 @@ with tempfile.TemporaryDirectory() as folder:
                 shutil.copy(model, code)
             draw(examples / host, code, picture)
             rows[material].append(np.load(picture).astype(float))
-            errors.append(lamp.apart(rows[material][-1], own[material]))
+            errors.append(lamp.apart(rows[material][-1], references[material]))
         ran.append(host)
         text = f"{host} {installed}: " + ", ".join(f"{material} {error:.2f}" for material, error in zip(MATERIALS, errors))
         print("ok  " if max(errors) <= lamp.WITHIN else "BAD ", text, flush=True)
@@ -177,7 +177,7 @@ with tempfile.TemporaryDirectory() as folder:
             failures.append(host)
     if len(sys.argv) > 3:
         from PIL import Image, ImageDraw
-        rows_of_spheres = Image.fromarray(np.concatenate([lamp.beside(own[material], rows[material]) for material in MATERIALS]))
+        rows_of_spheres = Image.fromarray(np.concatenate([lamp.beside(references[material], rows[material]) for material in MATERIALS]))
         spheres = rows_of_spheres.resize([96 * length // lamp.SIZE for length in rows_of_spheres.size], Image.Resampling.BOX)
         sheet = Image.new("RGB", (spheres.width, spheres.height + 14), "white")
         sheet.paste(spheres, (0, 14))

@@ -188,17 +188,17 @@ def clicked(page, ball):
 
 def choose(page, name, value):
     """A light or a shape of the pictures, a slider of the edits, or the number of lobes."""
-    page.chromium.run(f"""(() => {{ const of = document.querySelector(".controls").elements[{name!r}] ?? document.querySelector("#edit_{name}, #{name}"); of.value = {value!r};
-        for (const kind of ["input", "change"]) of.dispatchEvent(new Event(kind, {{ bubbles: true }})); }})()""")
+    page.chromium.run(f"""(() => {{ const input = document.querySelector(".controls").elements[{name!r}] ?? document.querySelector("#edit_{name}, #{name}"); input.value = {value!r};
+        for (const kind of ["input", "change"]) input.dispatchEvent(new Event(kind, {{ bubbles: true }})); }})()""")
 
 
 def pixels(page, material):
     """The brightness of pixels in the middle of a picture, and whether all were drawn."""
     return page.chromium.run(f"""(() => {{ const numbers = [], copy = Object.assign(document.createElement("canvas"), {{ width: 80, height: 60 }}).getContext("2d");
         copy.drawImage(document.querySelector("figure[data-material='{material}'] canvas"), 0, 0, 80, 60);
-        const of = copy.getImageData(25, 15, 30, 30).data;
-        for (let i = 0; i < of.length; i += 4) numbers.push((of[i] + of[i + 1] + of[i + 2]) / 765);
-        return [numbers, of.every((x, i) => i % 4 < 3 || x === 255)]; }})()""")
+        const bytes = copy.getImageData(25, 15, 30, 30).data;
+        for (let i = 0; i < bytes.length; i += 4) numbers.push((bytes[i] + bytes[i + 1] + bytes[i + 2]) / 765);
+        return [numbers, bytes.every((x, i) => i % 4 < 3 || x === 255)]; }})()""")
 
 
 mean = lambda numbers: sum(numbers) / len(numbers)

@@ -126,9 +126,9 @@ const after = (text, place, more) => text.replace(place, () => place + more);
 function addUv(shader, texture) {
     shader.uniforms.measured_transform = {
         get value() {
-            const of = texture();
-            if (of?.matrixAutoUpdate) of.updateMatrix();
-            return of?.matrix ?? new Matrix3();
+            const map = texture();
+            if (map?.matrixAutoUpdate) map.updateMatrix();
+            return map?.matrix ?? new Matrix3();
         },
     };
     shader.vertexShader = after(shader.vertexShader, '#include <uv_pars_vertex>', `

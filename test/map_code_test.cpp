@@ -109,10 +109,10 @@ TEST_F(MapCode, HasTheValuesOfTheTexels) {
                             k_height, k_width) +
                 "void answer(const float* l, const float* w, const float* uv, float* to);\n"
                 "void answer(const float* l, const float* w, const float* uv, float* to) {\n"
-                "    map_Coefficients of;\n    srbf_vec3 f, wl = {w[0], w[1], w[2]}, wv = {w[3], w[4], w[5]};\n"
-                "    layers = l, of = map_coefficients(uv[0], uv[1]);\n"
-                "    f = map_brdf(wl, wv, of), to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
-                "    f = map_albedo(wv.z, of), to[3] = f.x, to[4] = f.y, to[5] = f.z;\n}\n");
+                "    map_Coefficients texel;\n    srbf_vec3 f, wl = {w[0], w[1], w[2]}, wv = {w[3], w[4], w[5]};\n"
+                "    layers = l, texel = map_coefficients(uv[0], uv[1]);\n"
+                "    f = map_brdf(wl, wv, texel), to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
+                "    f = map_albedo(wv.z, texel), to[3] = f.x, to[4] = f.y, to[5] = f.z;\n}\n");
         ASSERT_TRUE(library);
         const auto answer = function<void(const float*, const Pair*, const float*, Rgb*)>(library, "answer");
         const std::vector<Pair> at = pairs(40 * map.count());
@@ -259,8 +259,8 @@ GLuint program_of(const TexelMap& map) {
         "}\n" +
         code(map, CodeLanguage::glsl) +
         "void main() {\n    uint i = gl_GlobalInvocationID.x;\n    level = questions[3 * i + 2].z;\n"
-        "    map_Coefficients of = map_coefficients(questions[3 * i + 2].x, questions[3 * i + 2].y);\n"
-        "    answers[i] = vec4(map_brdf(questions[3 * i].xyz, questions[3 * i + 1].xyz, of), 1.0);\n}\n");
+        "    map_Coefficients texel = map_coefficients(questions[3 * i + 2].x, questions[3 * i + 2].y);\n"
+        "    answers[i] = vec4(map_brdf(questions[3 * i].xyz, questions[3 * i + 1].xyz, texel), 1.0);\n}\n");
 }
 
 /// Binds a texture array with the levels of the file.

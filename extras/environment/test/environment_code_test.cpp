@@ -214,22 +214,22 @@ void expect_near_colour(const Rgb& found, const Rgb& expected, float relative, c
 /// of a mean of coefficients is the mean.
 TEST_F(EnvironmentCodes, LightOfMapsIsLinear) {
     const TexelMap map = map_of(5, 2);
-    void* const library =
-        compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "light",
-                 lit_code(map, CodeLanguage::c) +
-                     "static const float* at;\n"
-                     "static srbf_vec3 map_layer(int j, float u, float v) {\n"
-                     "    (void)u, (void)v;\n    return srbf_vec3_of(at[3 * j], at[3 * j + 1], at[3 * j + 2]);\n}\n"
-                     "static srbf_vec3 map_radiance(srbf_vec3 w, float roughness) {\n"
-                     "    (void)w, (void)roughness;\n    return srbf_vec3_of(1, 1, 1);\n}\n"
-                     "void answer(const float* coefficients, const float* w, float* to);\n"
-                     "void answer(const float* coefficients, const float* w, float* to) {\n"
-                     "    const float e = 50.0f;\n    map_Coefficients of;\n    srbf_vec3 f, wv = {w[0], w[1], w[2]};\n"
-                     "    at = coefficients, of = map_coefficients(0, 0);\n"
-                     "    f = map_albedo(wv.z, of), to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
-                     "    f = map_environment(wv, of), to[3] = f.x, to[4] = f.y, to[5] = f.z;\n"
-                     "    f = map_area(wv, srbf_vec3_of(-e, -e, 1), srbf_vec3_of(e, -e, 1), srbf_vec3_of(e, e, 1), "
-                     "srbf_vec3_of(-e, e, 1), of);\n    to[6] = f.x, to[7] = f.y, to[8] = f.z;\n}\n");
+    void* const library = compiled(
+        SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "light",
+        lit_code(map, CodeLanguage::c) +
+            "static const float* at;\n"
+            "static srbf_vec3 map_layer(int j, float u, float v) {\n"
+            "    (void)u, (void)v;\n    return srbf_vec3_of(at[3 * j], at[3 * j + 1], at[3 * j + 2]);\n}\n"
+            "static srbf_vec3 map_radiance(srbf_vec3 w, float roughness) {\n"
+            "    (void)w, (void)roughness;\n    return srbf_vec3_of(1, 1, 1);\n}\n"
+            "void answer(const float* coefficients, const float* w, float* to);\n"
+            "void answer(const float* coefficients, const float* w, float* to) {\n"
+            "    const float e = 50.0f;\n    map_Coefficients texel;\n    srbf_vec3 f, wv = {w[0], w[1], w[2]};\n"
+            "    at = coefficients, texel = map_coefficients(0, 0);\n"
+            "    f = map_albedo(wv.z, texel), to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
+            "    f = map_environment(wv, texel), to[3] = f.x, to[4] = f.y, to[5] = f.z;\n"
+            "    f = map_area(wv, srbf_vec3_of(-e, -e, 1), srbf_vec3_of(e, -e, 1), srbf_vec3_of(e, e, 1), "
+            "srbf_vec3_of(-e, e, 1), texel);\n    to[6] = f.x, to[7] = f.y, to[8] = f.z;\n}\n");
     ASSERT_TRUE(library);
     const auto answer = function<void(const Rgb*, const Vec3f*, Rgb*)>(library, "answer");
     const std::size_t J = map.coefficient.size() / 2;
@@ -259,8 +259,8 @@ TEST_F(EnvironmentCodes, LightOfMapsCompiles) {
             "vec3 map_layer(int j, float u, float v) { return texture(layers, vec3(u, v, float(j))).rgb; }\n"
             "vec3 map_radiance(vec3 w, float roughness) { return w; }\n"
             "in vec3 a, b; in vec2 uv; out vec4 c;\n"
-            "void main() {\n    map_Coefficients of = map_coefficients(uv.x, uv.y);\n"
-            "    c = vec4(map_environment(a, of) + map_area(a, b, b.yzx, b.zxy, b.xzy, of), 1.0);\n}\n"));
+            "void main() {\n    map_Coefficients texel = map_coefficients(uv.x, uv.y);\n"
+            "    c = vec4(map_environment(a, texel) + map_area(a, b, b.yzx, b.zxy, b.xzy, texel), 1.0);\n}\n"));
 }
 
 std::size_t loops_of(const std::string& text) {

@@ -185,7 +185,7 @@ NETWORKS = {"nbrdf": "NBRDF, 32-bit floats", "nps": "neural process", "network-6
 
 
 def measures_table(rows):
-    """For each measure the measurements on which a network has a smaller error than the default."""
+    """Lists, for each measure, the measurements on which a network has a smaller error than the default."""
     lines = []
     for key, name in MEASURES.items():
         sign = -1 if key == "psnr" else 1

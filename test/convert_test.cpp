@@ -317,7 +317,7 @@ struct SamplingQuality {
 SamplingQuality sampling_quality(const RglTable& table, const Evaluate& brdf) {
     const WrittenFile written(table);
     const auto numbers = written.floats("luminance");
-    // At the node of θ_l closest to 45°, so that no slices are interpolated.
+    // The view is at the node of θ_l closest to 45°, so that no slices are interpolated.
     std::size_t slice = 0;
     for (std::size_t i = 0; i < table.theta_l.size(); ++i)
         if (std::abs(table.theta_l[i] - k_pi / 4) < std::abs(table.theta_l[slice] - k_pi / 4)) slice = i;

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t k_width = 8, k_height = 4;
 
-/// Of axial lobes and of general ones.
+/// Returns a random map, of axial lobes or of general ones.
 TexelMap map_of(bool axial, std::size_t width = k_width, std::size_t height = k_height) {
     std::mt19937_64 random(axial ? 1 : 2);
     return random_map(random, {axial, true, 5, 3, 60, PmForm::extended}, width, height);
@@ -29,7 +29,7 @@ std::string code(const TexelMap& map, CodeLanguage language, bool albedo = true)
     return text ? *text : (ADD_FAILURE() << message(text.error()), "");
 }
 
-/// What the specification of KTX 2.0 says of a file: the numbers of its header, and levels of its texels.
+/// Holds a file of KTX 2.0 as its specification describes it: the numbers of its header, and levels of its texels.
 template <typename Number> struct TextureOf {
     std::vector<std::uint32_t> header;
     std::vector<std::vector<Number>> levels;
@@ -276,7 +276,7 @@ void bind_layers(const TexelMap& map) {
     glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_NEAREST);
 }
 
-/// What the program answers to questions of three vectors each, in groups of 64.
+/// Returns the program's answers to questions of three vectors each, in groups of 64.
 std::vector<std::array<float, 4>> answers_of(GLuint program, const std::vector<std::array<float, 4>>& questions) {
     std::vector<std::array<float, 4>> answers(questions.size() / 3);
     std::array<GLuint, 2> buffers;

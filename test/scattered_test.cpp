@@ -334,7 +334,7 @@ TEST(ScatteredSamples, MaskMissingValues) {
               0u);
 }
 
-/// In every format such a number is masked, or is none by the format's own rule: nowhere is it a value.
+/// Every format masks such a number, or has none by its own rule: nowhere is it a value.
 TEST(Formats, MasksNumbersThatStandForNoValue) {
     const TableSource source{[](auto wl, auto wv, auto f) {
                                  for (std::size_t i = 0; i < f.size(); ++i) {  // the detector hides the light

@@ -268,7 +268,7 @@ TEST_F(ShadingCode, RunsAsCAndCpp) {
     expect_compiled(SRBF_CLANG " -x c -std=c99 -pedantic", header, "srbf_vec3", "c_of_clang", "-Ofast");
 }
 
-/// As renderers are often compiled: sums are reordered, and all numbers taken for finite.
+/// Renderers are often compiled so: sums are reordered, and all numbers taken for finite.
 TEST_F(ShadingCode, IsTheSameWithFastMath) {
     expect_compiled(SRBF_COMPILER " -x c -std=c99", code_in_c(), "srbf_vec3", "c_fast", "-O2 -ffast-math");
     void* const headers =

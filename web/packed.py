@@ -101,7 +101,7 @@ def colours_of(texture):
 
 
 def parts_of(data):
-    """What is large in the data: where it is, its kind, its numbers, strides of differences to choose from, and a scale."""
+    """Yields the large arrays of the data: place, kind, numbers, strides of differences to choose from, and scale."""
     for mesh in data["meshes"].values():
         if mesh["index_bytes"] == 2:
             yield mesh, "triangles", array.array("H", base64.b64decode(mesh["triangles"])), [[3]], None

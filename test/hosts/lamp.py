@@ -125,7 +125,7 @@ def babylon():
 
 
 def hosts():
-    """For each example its name, the version of the host or None, the export that it needs, and the function that draws it."""
+    """Yields each example: its name, the version of the host or None, the export that it needs, and what draws it."""
     def version_of(distribution, *modules):
         return version(distribution) if all(map(importlib.util.find_spec, modules or (distribution,))) else None
     compiler = shutil.which("cc") and subprocess.run(["cc", "--version"], capture_output=True, text=True).stdout.splitlines()[0]

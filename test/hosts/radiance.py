@@ -101,8 +101,8 @@ with tempfile.TemporaryDirectory() as folder:
             with open(tree, "w") as file:
                 subprocess.run([binaries + "/bsdf2ttree", "-p", "-t3", "-g", "4", "-f", cal, name], check=True, stdout=file)
             expect(len(open(tree).read()) > 10000, "bsdf2ttree makes a tree of paper.cal")
-    # Of a tree to a model, a matrix, and Radiance. The tree has steps: a model, and the matrix' patch from 25 to 35 degrees, are
-    # nearer to its mean than to its value at 30.
+    # A tree becomes a model, and the model a matrix, which Radiance reads. The tree has steps: a model, and the matrix' patch
+    # from 25 to 35 degrees, are nearer to its mean than to its value at 30.
     subprocess.run([program, "fit", f"{data}/tensor/t3.xml", "-o", f"{folder}/t3.srbf"], check=True, capture_output=True)
     subprocess.run([program, "convert", f"{folder}/t3.srbf", "-o", f"{folder}/t3.xml"], check=True)
     sines = np.sqrt(np.linspace(*np.sin(np.radians([25, 35])) ** 2, 21))

@@ -205,7 +205,7 @@ mean = lambda numbers: sum(numbers) / len(numbers)
 difference = lambda a, b: mean([abs(x - y) for x, y in zip(a, b)])
 
 
-# What an edit may lose or move: material, sliders and address; and the places of pictures, sliders and buttons below the first picture.
+# Returns what an edit may lose or move: material, sliders, address, and the places of pictures, sliders and buttons.
 WORK = """(() => { const boxes = [...document.querySelectorAll("figure:not([hidden]) canvas, #editing input, #saving .main")].map((e) => e.getBoundingClientRect());
     return { address: location.hash, name: app.state().file.name, edited: app.state().edited?.bytes, hue: document.getElementById("edit_hue").value,
         boxes: boxes.map((box) => [box.x, box.y - boxes[0].y, box.width, box.height].map(Math.round)) }; })()"""
@@ -303,7 +303,7 @@ def replaced(page):
 
 
 def edited(page, folder):
-    """By mouse alone from a drop to a saved three.js material that was edited."""
+    """Drops a measurement, edits its model and saves it as a three.js material, by mouse alone."""
     film, chromium = root / "data/cc_ibiza_sunset_rgb.bsdf", page.chromium
     page.give(film)
     page.wait("the film", lambda state: state["name"] == film.name and not state["working"])

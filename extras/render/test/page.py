@@ -160,7 +160,7 @@ def give(chromium, name, content, size=0):
 
 
 def read_environment(chromium):
-    """What the page says while it reads a file and draws under another environment, and once it has pictures under the file's."""
+    """Returns what the page says while it reads an environment, and once it has pictures under it."""
     chromium.run("""(() => {
         const { arrayBuffer } = Blob.prototype;
         Blob.prototype.arrayBuffer = async function () {
@@ -179,11 +179,11 @@ def read_environment(chromium):
 
 
 def refused_environments(chromium):
-    """What the page says to files that are no environments, and to a lost context."""
+    """Returns what the page says to files that are no environments, and to a lost context."""
     said = {}
 
     def says(new):
-        """What the page says, once that is new."""
+        """Returns what the page says, once that is new."""
         end = time.time() + LIMIT
         while not new(text := chromium.run("document.getElementById('said').innerText")) and time.time() < end:
             chromium.settle()

@@ -81,10 +81,10 @@ int CompareCommand::run() const {
         return complain(input_error(fmt::format("{} and {}", reference, other), "compared pairs of directions",
                                     "pairs with values in both", "none"));
 
-    const auto repeats = repeatability(a->content, threads);
+    const auto exchanged = reciprocity_errors(a->content, threads);
     Json report{{"reference", reference}, {"other", other}, {"max_theta", theta}};
     add_measures(report, comparison, "");
-    if (repeats) report["exchanged_pictures"] = json_of(*repeats);
+    if (exchanged) report["exchanged_pictures"] = json_of(*exchanged);
     report["pairs"] = comparison.matrix.pairs;
     report["masked_pairs"] = comparison.matrix.masked;
     if (!json.empty())
@@ -94,7 +94,7 @@ int CompareCommand::run() const {
     fmt::print("{} against {}, directions within {:g}° of the normal\n\n", printable(other), printable(reference),
                theta);
     print_measures({{"", &comparison}});
-    if (repeats) fmt::print("\n{} repeats itself {}\n", printable(reference), repeats_text(*repeats));
+    if (exchanged) fmt::print("\n{} is reciprocal {}\n", printable(reference), reciprocity_text(*exchanged));
     if (comparison.matrix.masked > 0)
         fmt::print("\n{} of {} pairs of the matrix were not measured and are skipped\n",
                    grouped(comparison.matrix.masked), grouped(comparison.matrix.masked + comparison.matrix.pairs));

@@ -128,19 +128,19 @@ void add_edit(CommandLine& app, int& status) {
     sub.add_option("MODEL", edit.input, "A multivariate model").type_name("").required();
     sub.add_option("-o,--output", edit.output, "The model file to write").type_name("FILE").required();
     edit.roughens = add_number(sub, "--roughen", edit.roughen.factor, 0.1, 10,
-                               "Roughness of the highlight times this, by a refit, 0.1 to 10");
+                               "Multiply the roughness of the highlight by X, 0.1 to 10, by a new fit");
     edit.of_colours = {
-        add_colour(sub, "--tint-highlight", edit.tint.highlight, 10, "Colour of the highlight times this"),
-        add_colour(sub, "--tint-body", edit.tint.body, 10, "Colour of the body times this"),
-        add_number(sub, "--scale-highlight", edit.scale_highlight, 0, 10, "The highlight times this, 0 to 10"),
-        add_number(sub, "--scale-body", edit.scale_body, 0, 10, "The body times this, 0 to 10")};
+        add_colour(sub, "--tint-highlight", edit.tint.highlight, 10, "Multiply the highlight by this colour"),
+        add_colour(sub, "--tint-body", edit.tint.body, 10, "Multiply the body by this colour"),
+        add_number(sub, "--scale-highlight", edit.scale_highlight, 0, 10, "Multiply the highlight by X, 0 to 10"),
+        add_number(sub, "--scale-body", edit.scale_body, 0, 10, "Multiply the body by X, 0 to 10")};
     edit.saturates =
-        add_number(sub, "--saturate", edit.saturate.factor, 0, 4, "Distance of colours to grey times this, 0 to 4");
-    edit.hues = add_number(sub, "--hue", edit.hue.degrees, -360, 360, "Turn colours about grey by these degrees");
+        add_number(sub, "--saturate", edit.saturate.factor, 0, 4, "Multiply the saturation of colours by X, 0 to 4");
+    edit.hues = add_number(sub, "--hue", edit.hue.degrees, -360, 360, "Turn the hue of colours by X degrees");
     edit.rotates = add_number(sub, "--rotate", edit.rotate.degrees, -360, 360,
-                              "Turn the tangent by these degrees; only anisotropic models change");
+                              "Turn the tangent by X degrees; only anisotropic models change");
     edit.coats = add_number(sub, "--coat", edit.coat.roughness, 0.02, 1,
-                            "Cover it by a clear coat of this roughness alpha, by a refit, 0.02 to 1");
+                            "Add a clear coat of roughness alpha X, 0.02 to 1, by a new fit");
     const Option ior = add_number(sub, "--coat-ior", edit.coat.ior, 1.05, 3, "Refractive index of the coat, 1.05 to 3")
                            .capture_default_str();
     const Option tint = add_colour(sub, "--coat-tint", edit.coat.tint, 1,

@@ -78,7 +78,7 @@ const SuRequest k_su{};
 FitOptionRow model() {
     return []<typename... R>(std::type_identity<std::variant<R...>>) {
         std::string about = fmt::format("{}", fmt::join({fmt::format("{}: {}", R::k_name, R::k_about)...}, ";\n"));
-        about += ";\ngltf, principled: only those that glTF with its extensions or Blender's Principled BSDF has";
+        about += ";\ngltf, principled: OpenPBR without the parameters that glTF or Blender's Principled BSDF lacks";
         std::vector<Text> names(k_model_names.begin(), k_model_names.end());
         std::ranges::remove_copy(k_openpbr_surfaces, std::back_inserter(names), OpenPbrRequest::k_name);
         return word({"model", k_all, "NAME", about, preset(model_name(k_request))}, names,

@@ -9,7 +9,7 @@
 #include "srbf/sampling.h"
 #include "srbf/shading_code.h"
 #ifdef SRBF_RASTER
-#include "compute.h"
+#include "compute_program.h"
 #include "extras/render/offscreen.h"
 #endif
 
@@ -250,7 +250,7 @@ std::vector<Place> places() {
 }
 
 GLuint program_of(const TexelMap& map) {
-    return linked(
+    return compute_program(
         "#version 450\nlayout(local_size_x = 64) in;\n"
         "layout(std430, binding = 0) readonly buffer Questions { vec4 questions[]; };\n"
         "layout(std430, binding = 1) writeonly buffer Answers { vec4 answers[]; };\n"

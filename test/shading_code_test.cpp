@@ -13,7 +13,7 @@
 #include "statistics.h"
 #include "su_models.h"
 #ifdef SRBF_RASTER
-#include "compute.h"
+#include "compute_program.h"
 #include "extras/render/offscreen.h"
 #include "models/su/su_functions.h"
 #endif
@@ -346,7 +346,7 @@ Answers run_shaders(const std::vector<std::string>& shaders) {
     fill(0, questions().size() * sizeof(Question), questions().data());
     fill(1, model_answers.size() * sizeof(Answer), nullptr);
     for (std::size_t m = 0; m < shaders.size(); ++m) {
-        const GLuint program = linked(shaders[m]);
+        const GLuint program = compute_program(shaders[m]);
         if (program == 0) continue;
         glUseProgram(program);
         glDispatchCompute(GLuint(questions().size() / 64), 1, 1);

@@ -22,7 +22,7 @@ sys.path.insert(0, str(here.parent.parent))
 from chromium import program as chromium  # noqa: E402
 from seen import delta_e, equirectangular  # noqa: E402
 from served import WEBGPU, opened, picture  # noqa: E402
-from surface_host import DISTANCE, ELEVATION, FIELD, SIZE, coarse, drawn, on_sphere, run  # noqa: E402
+from surface_drawing import DISTANCE, ELEVATION, FIELD, SIZE, coarse, drawn, on_sphere, run  # noqa: E402
 from verdict import end, expect  # noqa: E402
 
 SWIFTSHADER = ["--use-gl=angle", "--use-angle=swiftshader", "--ignore-gpu-blocklist", "--enable-unsafe-swiftshader"]

@@ -1,4 +1,4 @@
-// Compute shaders of tests.
+// This header compiles compute shaders of tests.
 #pragma once
 #include <epoxy/gl.h>
 #include <gtest/gtest.h>
@@ -8,9 +8,9 @@
 namespace srbf {
 
 /// The linked program of a compute shader, or 0.
-inline GLuint linked(const std::string& shader) {
+inline GLuint compute_program(const std::string& source) {
     const GLuint shader_id = glCreateShader(GL_COMPUTE_SHADER), program = glCreateProgram();
-    const char* text = shader.c_str();
+    const char* text = source.c_str();
     glShaderSource(shader_id, 1, &text, nullptr);
     glCompileShader(shader_id);
     glAttachShader(program, shader_id);

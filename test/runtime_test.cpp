@@ -102,7 +102,7 @@ class RuntimeHeader : public WrittenCode {
         }
         return all;
     }
-    /// The same, prepared for samples and albedos, made once.
+    /// Returns the same cases, prepared for samples and albedos; they are made once.
     static const std::vector<Case>& prepared_cases(const Runtime& runtime) {
         static const std::vector<Case> all = [&] {
             std::vector<Case> made = cases(runtime);

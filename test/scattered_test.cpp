@@ -792,7 +792,7 @@ TEST(ScatteredSamples, RealMeasurements) {
         EXPECT_EQ(s.wavelengths.size(), 31u);
         EXPECT_TRUE(s.isotropic && s.masked == 0);
     }
-    // The same samples as spectra and as colours.
+    // These files have the same samples as spectra and as colours.
     const auto spectra = load_measured((folder / "cornell" / "krylon_blue.brdf").string());
     const auto colours = load_measured((folder / "cornell" / "krylon_blue_RGB.astm").string());
     ASSERT_TRUE(colours.ok()) << message(colours.error());

@@ -214,7 +214,7 @@ std::string answer_text(std::size_t m, const std::string& zero, const auto& writ
                  fmt::format("{0}_pdf({0}_sample(wv, u.x, u.y, u.z), wv)", name)) +
            write(2, name + "_albedo(wv.z)", zero);
 }
-/// The same for all models; the answers are numbered consecutively.
+/// Returns the text of the answers for all models, which are numbered consecutively.
 std::string answers_text(const std::string& zero, const auto& write) {
     std::string text;
     for (std::size_t m = 0; m < models().size(); ++m)

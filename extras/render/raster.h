@@ -120,8 +120,8 @@ class RasterTarget {
     /// `samples` per pixel, or as many as are supported. Errors: larger than the library's framebuffers; float
     /// formats that cannot be rendered to.
     static Result<RasterTarget> make(int width, int height, int samples, Format format);
-    /// For the second pass over `surface`, with the same size and depths, one sample per pixel and bytes. Must not
-    /// outlive it.
+    /// Makes a target for the second pass over `surface`, with the same size and depths, one sample per pixel and
+    /// bytes. It must not outlive `surface`.
     static Result<RasterTarget> make_for(const RasterSurface& surface);
     /// Binds the framebuffer, sets its viewport and clears it to 0 without coverage, or to the grey background of
     /// `shown` pictures. Depths are cleared only if they are its own.

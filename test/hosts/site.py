@@ -167,7 +167,7 @@ def linked(page, folder):
     check(chromium.run("document.querySelector('#about a')?.href") == "https://rgl.epfl.ch/materials", f"{name} has no link to its measurement")
     on_one_screen(page, "1", ", .controls > label > *")
     for_blender(page, root / "data/gallery" / name, folder)
-    # The same ball again, after another file.
+    # The same ball is opened again, after another file.
     page.give(root / "data/paper_white_rgb.csv")
     page.wait("another file", lambda state: state["name"] == "paper_white_rgb.csv" or state["working"])
     chromium.click(LAST_BALL)

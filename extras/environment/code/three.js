@@ -82,7 +82,7 @@ void RE_IndirectSpecular_Measured(const in vec3 radiance, const in vec3 irradian
     ${sumOf(terms, 'environment', 'measured_wv')}
     reflectedLight.indirectDiffuse += reflected * material.diffuseColor;
 }
-// What three looks up for its own formulas.
+// Three looks these up for its own formulas.
 #undef STANDARD
 #define getIBLRadiance(viewer, normal, roughness) vec3(0.0)
 #undef RE_Direct
@@ -154,7 +154,7 @@ class MeasuredMaterial extends MeshStandardMaterial {
         this.saturation = source.saturation ?? 1;
         return this;
     }
-    // What three calls. A function that a page sets here runs after the material's own.
+    // Three calls this function. One that a page sets here runs after the material's own.
     get onBeforeCompile() {
         const { added } = this;
         return (shader, renderer) => {

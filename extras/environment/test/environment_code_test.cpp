@@ -13,7 +13,7 @@ namespace {
 
 class EnvironmentCodes : public WrittenCode {};
 
-/// By draws, of an environment whose radiance hardly changes over the solid angle of one.
+/// The draws are from an environment whose radiance hardly changes over the solid angle of one.
 TEST_F(EnvironmentCodes, DrawsAreOfTheEnvironment) {
     const Model model{rounded(GgxModel{{0.3f, 0.2f, 0.1f}, {{0.3f, {0.3f, 0.2f, 0.1f}, 1}}}), {}};
     const NamedModel named{"glossy", &model};

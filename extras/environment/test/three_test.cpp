@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 
 constexpr int k_width = 320, k_height = 240;
 
-/// What three.js is given of a scene.
+/// Returns a scene as three.js reads it.
 Json json_of(const Scene& scene, const std::string& material, float exposure, bool as_instance) {
     Json json{{"width", k_width},
               {"height", k_height},
@@ -62,7 +62,7 @@ double psnr(const std::string& rgba, const Image8& picture, const std::vector<fl
     return count > 0 ? 10 * std::log10(255 * 255 * count / std::max(squares, 1e-3)) : 0;
 }
 
-/// What the script says, after it has run on the folder.
+/// A script has this status and output after it has run on the folder.
 struct Said {
     int status;
     std::string text;
@@ -236,7 +236,7 @@ Differences differences(const std::vector<Float4>& pixels, const MapScene& scene
                 p = camera.eye - camera.eye.z / to_viewer.z * to_viewer;
             }
             if (std::max(std::abs(p.x), std::abs(p.y)) > 0.98) continue;
-            // As three's Matrix3.setUvTransform.
+            // These formulas are those of three's Matrix3.setUvTransform.
             const double c = std::cos(scene.rotation), sine = std::sin(scene.rotation), u = (p.x + 1) / 2,
                          v = (p.y + 1) / 2;
             const Model model =

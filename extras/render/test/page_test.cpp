@@ -457,7 +457,7 @@ StepPictures compared_pictures(const Page& page, const Json& pictures, const Tem
     return steps;
 }
 
-/// What a step changes, and what it does not.
+/// Expects what a step changes and what it keeps.
 void expect_changes(StepPictures& steps) {
     auto& [of_first, pixels, count] = steps;
     EXPECT_EQ(of_first["one"]["material"], 1);
@@ -520,7 +520,7 @@ TEST(Page, DrawsInABrowserWhatTheDesktopDraws) {
     expect_light_behind(steps.first["behind"]["scene"]);
     expect_environment(steps, with["refused"]);
 
-    // Where a browser cannot draw.
+    // This browser cannot draw.
     EXPECT_EQ(without["said"], 1);
     EXPECT_EQ(without["viewer"], 0);
     EXPECT_EQ(without["rows"], int(page.table.size()));

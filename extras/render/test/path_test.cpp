@@ -436,7 +436,7 @@ TEST(Path, RaysFindWhatIsNearest) {
     EXPECT_GT(hits, 100);
 }
 
-/// Of the sizes that a mesh may have when it is read.
+/// The mesh has each of the sizes that it may have when it is read.
 TEST(Path, SceneOfAnySizeIsOnePicture) {
     std::vector<Image> pictures;
     for (const float scale : {1.f, 0x1p-23f, 0x1p22f}) {
@@ -487,7 +487,7 @@ TEST_F(PathCommand, PicturesAreWritten) {
 
 TEST_F(PathCommand, PicturesAreCompared) {
     ASSERT_EQ(render({"-o", "a.exr"}).status, 0);
-    // The same picture, from a file and made anew.
+    // The reference is the same picture, from a file or made anew.
     for (const char* reference : {"a.exr", "a.srbf"}) {
         const ProgramRun result = render({"-o", "b.png", "--compare", reference, "--json", "-"});
         EXPECT_EQ(result.status, 0) << result.err;

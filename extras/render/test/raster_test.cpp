@@ -301,7 +301,7 @@ TEST(Render, WritesAPictureOfEachFileSideBySide) {
     const auto number = [&](std::size_t at) { return 256 * std::uint8_t(png[at + 2]) + std::uint8_t(png[at + 3]); };
     EXPECT_EQ(number(16), 3 * 160);
     EXPECT_EQ(number(20), 120 + 20);  // with a strip of captions
-    // Of what is not isotropic there is no table.
+    // A measurement that is not isotropic has no table.
     write(folder / "a.csv",
           "# anisotropic\nwl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n0.6,0,0.8,0,0,1,1\n");
     const ProgramRun refused = run(folder, {"render", "a.csv", "--renderer", "raster", "-o", "a.png"});
@@ -402,7 +402,7 @@ TEST(Rasterize, GivesRadianceAndCoverage) {
     // The sphere fills the picture but for the margin, seen in perspective as a disc.
     EXPECT_TRUE(near_relative(covered, k_pi * std::pow((1 - k_margin) * k_height / 2, 2), 0.02));
     EXPECT_EQ((*drawn)[0].coverage, (*drawn)[1].coverage);
-    // Where the key light falls straight in, f E.
+    // The radiance is f E where the key light falls along the normal.
     float most = 0;
     for (const Rgb& pixel : (*drawn)[0].radiance.pixels) most = std::max(most, pixel.r);
     EXPECT_GT(most, 2.95f * Flat::k_value);

@@ -27,7 +27,7 @@ PAGE = """<!doctype html><script type="importmap">{ "imports": { "three": "./thr
 import * as THREE from "three";
 import { FilmMaterial } from "./film.js";
 const renderer = new THREE.WebGLRenderer(), scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera(FIELD, 1, 0.1, 100);
-const sphere = new THREE.Mesh(new THREE.SphereGeometry(1, 192, 96)), own = new THREE.MeshStandardMaterial(), film = new FilmMaterial();
+const sphere = new THREE.Mesh(new THREE.SphereGeometry(1, 192, 96)), standard = new THREE.MeshStandardMaterial(), film = new FilmMaterial();
 scene.add(sphere);
 camera.position.set(...EYE);
 camera.lookAt(0, 0, 0);
@@ -50,8 +50,8 @@ window.light = (rows, width, height) => {
 const target = new THREE.WebGLRenderTarget(SIZE, SIZE, { type: THREE.FloatType, colorSpace: THREE.LinearSRGBColorSpace, samples: 0 });
 // With five numbers a MeshStandardMaterial: colour, roughness, metalness; otherwise the exported one.
 window.draw = (numbers) => {
-    if (numbers) own.color.setRGB(...numbers.slice(0, 3)), [own.roughness, own.metalness] = numbers.slice(3);
-    sphere.material = numbers ? own : film;
+    if (numbers) standard.color.setRGB(...numbers.slice(0, 3)), [standard.roughness, standard.metalness] = numbers.slice(3);
+    sphere.material = numbers ? standard : film;
     renderer.setRenderTarget(target);
     renderer.render(scene, camera);
     const pixels = new Float32Array(4 * SIZE * SIZE);

@@ -69,7 +69,7 @@ int CompareCommand::run() const {
     const auto writable = check_outputs({reference, other}, {json == "-" ? "" : json});
     if (!writable) return complain(writable.error());
 
-    const double own = fitted_theta(*b), theta = max_theta > 0 ? max_theta : own > 0 ? own : 80;
+    const double fitted = fitted_theta(*b), theta = max_theta > 0 ? max_theta : fitted > 0 ? fitted : 80;
     if (is_two_sided(a->content) || is_two_sided(b->content)) return run_on_parts(*a, *b, theta);
     const Evaluate others[] = {evaluator(*b)};
     const auto* model = std::get_if<Model>(&b->content);
@@ -83,10 +83,10 @@ int CompareCommand::run() const {
         return complain(input_error(fmt::format("{} and {}", reference, other), "compared pairs of directions",
                                     "pairs with values in both", "none"));
 
-    const auto repeats = repeatability(a->content, threads);
+    const auto exchanged = reciprocity_errors(a->content, threads);
     Json report{{"reference", reference}, {"other", other}, {"max_theta", theta}};
     add_measures(report, comparison);
-    if (repeats) report["exchanged_pictures"] = json_of(*repeats);
+    if (exchanged) report["exchanged_pictures"] = json_of(*exchanged);
     report["pairs"] = comparison.matrix.pairs;
     report["masked_pairs"] = comparison.matrix.masked;
     if (!json.empty())
@@ -96,7 +96,7 @@ int CompareCommand::run() const {
     fmt::print("{} against {}, directions within {:g}° of the normal\n\n", printable(other), printable(reference),
                theta);
     print_measures(comparison);
-    if (repeats) fmt::print("\n{} repeats itself {}\n", printable(reference), repeats_text(*repeats));
+    if (exchanged) fmt::print("\n{} is reciprocal {}\n", printable(reference), reciprocity_text(*exchanged));
     if (comparison.matrix.masked > 0)
         fmt::print("\n{} of {} pairs of the matrix were not measured and are skipped\n",
                    grouped(comparison.matrix.masked), grouped(comparison.matrix.masked + comparison.matrix.pairs));

@@ -29,9 +29,9 @@ Json json_of(const Parameter& parameter);
 const Json* judged_pictures(const Json& report);
 
 /// Picture errors of a table against its transpose; none if it is reciprocal or not a table.
-std::optional<Appearance> repeatability(const AnyBrdf& brdf, int threads = 0);
+std::optional<Appearance> reciprocity_errors(const AnyBrdf& brdf, int threads = 0);
 /// "within ΔE_ITP 14.4 (worst 21.4) where light and viewer are exchanged"
-std::string repeats_text(const Appearance& exchanged);
+std::string reciprocity_text(const Appearance& exchanged);
 
 /// Prints a table of measures, with a column for each set of pairs.
 void print_measures(const Comparison& comparison);

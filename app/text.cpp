@@ -51,7 +51,7 @@ Json json_of(const Parameter& parameter) {
         parameter.value);
 }
 
-std::optional<Appearance> repeatability(const AnyBrdf& brdf, int threads) {
+std::optional<Appearance> reciprocity_errors(const AnyBrdf& brdf, int threads) {
     const auto* measured = std::get_if<Measured>(&brdf);
     if (!measured || std::holds_alternative<ScatteredSamples>(measured->table) ||
         std::holds_alternative<BsdfTable>(measured->table) || std::holds_alternative<MerlTable>(measured->table))
@@ -62,7 +62,7 @@ std::optional<Appearance> repeatability(const AnyBrdf& brdf, int threads) {
     return errors.mean.delta_e > 0 ? std::optional(errors) : std::nullopt;
 }
 
-std::string repeats_text(const Appearance& exchanged) {
+std::string reciprocity_text(const Appearance& exchanged) {
     return fmt::format("within ΔE_ITP {:.3g} (worst {:.3g}) where light and viewer are exchanged",
                        exchanged.mean.delta_e, exchanged.worst_delta_e);
 }

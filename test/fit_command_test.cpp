@@ -261,7 +261,7 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
 }
 
 TEST_F(Command, fit_su_refuses) {
-    // As many lobes as there are directions within 80 degrees, and one more.
+    // There is one lobe more than there are directions within 80 degrees.
     expect_failure(1, {"fit", k_paper, "--model", "su", "--directions", "16", "--lobes", "14", "--objective", "raw"},
                    "paper_white_rgb.bsdf: directions with data in sampled view 0: expected none or at least 14");
     write(folder / "zero.binary", text_of(merl_file({9, 6, 8}, [](auto...) { return 0; })));

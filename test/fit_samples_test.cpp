@@ -125,7 +125,7 @@ TEST(Folds, TheBrightestSamplesAreInDifferentFolds) {
 const GgxModel k_two_lobes{{0.05f, 0.05f, 0.05f},
                            {{0.013f, {0.5f, 0.5f, 0.5f}, 1}, {0.17f, {0.05f, 0.05f, 0.05f}, 0.3f}}};
 
-/// In-plane scans of `f` every two degrees, with a relative error of at most `noise`.
+/// Returns in-plane scans of `f` every two degrees, with a relative error of at most `noise`.
 ScatteredSamples scans_of(const std::function<float(Vec3f wl, Vec3f wv)>& f, std::span<const double> incidences,
                           double noise) {
     std::mt19937_64 random(1);
@@ -435,7 +435,7 @@ TEST(FitToSamples, IsJudgedAtItsSamplesToo) {
     EXPECT_TRUE(headline(errors).ends_with(ends)) << headline(errors);
 }
 
-/// Nor do lobes follow the noise of samples into gaps.
+/// Lobes do not follow the noise of samples into gaps.
 TEST(FitToSamples, HasNoHighlightForAMatteSurface) {
     constexpr double noise = 0.01;
     const auto matte = [](Vec3d, Vec3d) { return Rgb{0.16f, 0.13f, 0.1f}; };
@@ -601,7 +601,7 @@ TEST(FitToSamples, SpectralAndColourFitsOfAPaintAgree) {
     EXPECT_LT(difference, error_of(rgb->model));
 }
 
-/// Where gaps are filled, in colours, a spectral fit has the lobes and the colours of the fit to colours.
+/// A spectral fit has the lobes and the colours of the fit to colours where gaps are filled in colours.
 TEST(FitToSamples, GapsAreFilledForSpectraAsForColours) {
     ScatteredSamples samples = goniometer_samples(coated);
     samples.wavelengths = {450, 550, 650};

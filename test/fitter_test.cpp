@@ -139,12 +139,12 @@ TEST(Fitting, LargerModelsErrNoMoreThanTheyDid) {
     } expected[] = {
         {{.model = PmRequest{.form = PmForm::extended, .size = LobeCount{12}, .effort = 0.34}}, 304, 4.70, 0.1042},
         {{.model = SuRequest{.lobes = 5, .directions = 384}}, 23040, 6.25, 0.0851}};
-    for (const auto& of : expected) {
-        const auto outcome = fit(measured, of.request);
+    for (const auto& row : expected) {
+        const auto outcome = fit(measured, row.request);
         ASSERT_TRUE(outcome);
-        EXPECT_EQ(payload_bytes(outcome->model), of.bytes);
-        EXPECT_LE(outcome->errors->appearance.mean.delta_e, of.delta_e);
-        EXPECT_LE(outcome->errors->appearance.mean.rms, of.rms);
+        EXPECT_EQ(payload_bytes(outcome->model), row.bytes);
+        EXPECT_LE(outcome->errors->appearance.mean.delta_e, row.delta_e);
+        EXPECT_LE(outcome->errors->appearance.mean.rms, row.rms);
     }
 }
 

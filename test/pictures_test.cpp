@@ -75,7 +75,7 @@ TEST(Pictures, ASmallSourceShowsTheSameAsADistantLightOfItsPower) {
     const Lighting lights[] = {unit, {"light", {}, {}, {}, {{d, 0, {e, e, e}}}}};
     const Evaluate brdfs[] = {glossy(20)};
     const auto images = sphere_pictures(brdfs, lights);
-    // By mean over the sphere: points of the mixture seldom meet so small a source, and then count little.
+    // The means over the sphere agree: points of the mixture seldom meet so small a source, and then count little.
     double of_disc = 0, of_light = 0;
     for (std::size_t i = 0; i < images[0][0].pixels.size(); ++i)
         of_disc += double(images[0][0].pixels[i].g), of_light += double(images[1][0].pixels[i].g);

@@ -270,14 +270,14 @@ SRBF_EXPORT(edit) int edit(int number, const char* text, std::size_t size) {
     std::optional<Tint> tint;
     const Json json = Json::parse(text, text + size, nullptr, false);
     bool is_read = json.is_object();
-    for (const auto& [key, of] : json.items()) {
-        if ((key == "roughen" || key == "saturate" || key == "hue") && of.is_number()) {
-            (key == "roughen" ? roughen : key == "saturate" ? saturate : hue) = of.get<double>();
-        } else if ((key == "highlight" || key == "body") && of.is_array() && of.size() == 3 &&
-                   std::ranges::all_of(of, [](const Json& channel) { return channel.is_number(); })) {
+    for (const auto& [key, value] : json.items()) {
+        if ((key == "roughen" || key == "saturate" || key == "hue") && value.is_number()) {
+            (key == "roughen" ? roughen : key == "saturate" ? saturate : hue) = value.get<double>();
+        } else if ((key == "highlight" || key == "body") && value.is_array() && value.size() == 3 &&
+                   std::ranges::all_of(value, [](const Json& channel) { return channel.is_number(); })) {
             if (!tint) tint.emplace();
-            (key == "highlight" ? tint->highlight : tint->body) = {of[0].get<float>(), of[1].get<float>(),
-                                                                   of[2].get<float>()};
+            (key == "highlight" ? tint->highlight : tint->body) = {value[0].get<float>(), value[1].get<float>(),
+                                                                   value[2].get<float>()};
         } else {
             is_read = false;
         }

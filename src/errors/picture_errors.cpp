@@ -92,30 +92,30 @@ Appearance summarise(std::vector<PictureErrors> lighting) {
 
 }  // namespace
 
-Appearance judged(const Comparison& of) {
-    const auto& heldout = of.heldout_appearance;
-    Appearance worst = heldout && heldout->mean.delta_e > of.appearance.mean.delta_e ? *heldout : of.appearance;
-    worst.mean.delta_e = std::max(worst.mean.delta_e, of.samples_delta_e);
-    worst.worst_delta_e = std::max(worst.worst_delta_e, of.samples_delta_e);
+Appearance judged(const Comparison& found) {
+    const auto& heldout = found.heldout_appearance;
+    Appearance worst = heldout && heldout->mean.delta_e > found.appearance.mean.delta_e ? *heldout : found.appearance;
+    worst.mean.delta_e = std::max(worst.mean.delta_e, found.samples_delta_e);
+    worst.worst_delta_e = std::max(worst.worst_delta_e, found.samples_delta_e);
     return worst;
 }
 
-std::string headline(const Comparison& of, std::string_view between_sentences) {
-    const Appearance worst = judged(of);
+std::string headline(const Comparison& found, std::string_view between_sentences) {
+    const Appearance worst = judged(found);
     const std::string text = fmt::format("{}: ΔE_ITP {:.3g}", words(verdict(worst.mean)), worst.mean.delta_e);
-    if (!of.measure)
+    if (!found.measure)
         return fmt::format("{} in the mean of eight lights, {:.3g} under the worst", text, worst.worst_delta_e);
-    const MeasureName& name = *std::ranges::find(k_measures, of.measure, &MeasureName::member);
-    const double fit = of.appearance.mean.delta_e, unit = name.is_ratio ? 100 : 1,
-                 heldout = of.heldout_appearance ? of.heldout_appearance->mean.delta_e : fit,
-                 at_samples = unit * of.matrix.*of.measure, predicted = unit * of.heldout.*of.measure;
+    const MeasureName& name = *std::ranges::find(k_measures, found.measure, &MeasureName::member);
+    const double fit = found.appearance.mean.delta_e, unit = name.is_ratio ? 100 : 1,
+                 heldout = found.heldout_appearance ? found.heldout_appearance->mean.delta_e : fit,
+                 at_samples = unit * found.matrix.*found.measure, predicted = unit * found.heldout.*found.measure;
     const auto apart = [](std::initializer_list<double> errors) {
         return std::max(errors) > 2 * std::min(errors) ? ", more than a factor of two apart" : "";
     };
     const char* percent = name.is_ratio ? " %" : "";
     const bool is_part = name.title[0] == ' ';  // "  of f cosθl"
     return fmt::format("{}, the worst of {:.3g} in pictures, {:.3g} in cross-validation and {:.3g} at the samples{}{}",
-                       text, fit, heldout, of.samples_delta_e, apart({fit, heldout, of.samples_delta_e}),
+                       text, fit, heldout, found.samples_delta_e, apart({fit, heldout, found.samples_delta_e}),
                        between_sentences) +
            fmt::format("{}{} {:.3g}{} at the samples, {:.3g}{} in cross-validation{}",
                        is_part ? "squared error ratio" : "", name.title + is_part, at_samples, percent, predicted,

@@ -37,10 +37,10 @@ inline constexpr std::array<PictureErrorName, 4> k_picture_errors{{
 
 /// The errors by which a fit is judged. Pictures of a fit to samples are compared with its own completion of them: it is
 /// judged by the worse of these and of those in cross-validation, and by ΔE_ITP at the samples if that is larger.
-Appearance judged(const Comparison& of);
+Appearance judged(const Comparison& found);
 /// "hardly visible: ΔE_ITP 0.346 in the mean of eight lights, 0.41 under the worst". Of a fit to samples it has two
 /// sentences, with errors of the fit and of cross-validation; the second says where they differ by a factor of two.
-std::string headline(const Comparison& of, std::string_view between_sentences = "; ");
+std::string headline(const Comparison& found, std::string_view between_sentences = "; ");
 /// The mean of at least one.
 Appearance mean_of(std::span<const Appearance> all);
 /// How pictures are compared. `is_isotropic`: all BRDFs are, which saves time.

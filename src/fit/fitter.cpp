@@ -93,13 +93,13 @@ Result<FitOutcome> fit_view_by_view(const Evaluate& f, const FitRequest& request
 Result<FitOutcome> fit_by_kind(const FitRequest& request, const Observations& observations, bool is_isotropic,
                                const ProgressToken& progress) {
     return std::visit(
-        [&]<typename R>(const R& of) -> Result<FitOutcome> {
+        [&]<typename R>(const R& kind) -> Result<FitOutcome> {
             if constexpr (std::same_as<R, PmRequest> || std::same_as<R, SuRequest>) {
                 misused("a fit to observations alone");
             } else {
-                auto fitted = Kind<typename R::Model>::fit(observations, of, {is_isotropic, request.threads}, progress);
-                if (!fitted) return fitted.error();
-                return outcome_of(*std::move(fitted));
+                auto fit = Kind<typename R::Model>::fit(observations, kind, {is_isotropic, request.threads}, progress);
+                if (!fit) return fit.error();
+                return outcome_of(*std::move(fit));
             }
         },
         request.model);

@@ -10,7 +10,7 @@
 namespace srbf::closures_test {
 namespace {
 
-/// The same closure at each of `knots` knots.
+/// Returns a sum that has the same closure at each of `knots` knots.
 ClosureSum constant(const Closure& closure, const Rgb& diffuse, std::size_t knots) {
     return {1, std::vector<Rgb>(knots, diffuse), std::vector<Closure>(knots, closure), 1};
 }

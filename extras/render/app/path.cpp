@@ -190,9 +190,9 @@ Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::sp
         if (const auto* subject = std::get_if<const Subject*>(&pictured)) {
             paths.materials = {draw == "cosine" ? prepare_by_cosine(**subject) : prepare_subject(**subject, threads)};
         } else if (const auto* masked = std::get_if<const MaskedSubjects*>(&pictured)) {
-            MaskedMaterials materials{{}, (*masked)->mask};
-            for (const Subject* of : (*masked)->of) materials.of.push_back(prepare_subject(*of, threads));
-            paths.materials = {std::move(materials)};
+            MaskedMaterials mixed{{}, (*masked)->mask};
+            for (const Subject* each : (*masked)->subjects) mixed.materials.push_back(prepare_subject(*each, threads));
+            paths.materials = {std::move(mixed)};
         } else {
             paths.materials = {prepare_subject(*std::get<const TexelMap*>(pictured), threads)};
         }

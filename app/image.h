@@ -34,7 +34,7 @@ inline constexpr int k_largest_jpeg = 65535;
 
 struct PreviewOptions {
     int size = 256;   ///< pixels per side of each sphere's square, at least 16
-    int threads = 0;  ///< 0: all of the machine; the picture does not depend on the number
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
     std::string caption = "fit";
 };
 

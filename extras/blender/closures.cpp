@@ -9,8 +9,8 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-constexpr double k_least_cosine = 1e-3;  ///< of N'·wv, at which a term ends
-constexpr double k_most_exponent = 60;   ///< of D that is not 0
+constexpr double k_least_cosine = 1e-3;  ///< the N'·wv at which a term ends
+constexpr double k_most_exponent = 60;   ///< D is 0 if its exponent is larger
 
 /// Smith's Λ of Beckmann's distribution for a direction w, by x = (α tan θ)², and its derivatives by the angle of N' and
 /// the squares of α along and across.

@@ -35,7 +35,7 @@ struct ClosureFitOptions {
     int terms = 4;
     int ramp = 1;
     int knots = 24;
-    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
 };
 inline constexpr int k_most_closures = 8, k_ramp_of_osl = 7;
 

@@ -18,7 +18,7 @@ constexpr int k_light_points = 440;   ///< directions to the light of a view, an
 constexpr int k_further_points = 13;  ///< times 0 to 6, so that neighbouring views have other directions
 /// A closure is blurred to this share of a direction's solid angle: enough that none hides between directions.
 constexpr double k_blur = 0.1;
-constexpr double k_grazing_weight = 0.06;  ///< of a view, beside its share sin θv cos θv of a sphere's disc
+constexpr double k_grazing_weight = 0.06;  ///< a term of a view's weight, beside sin θv cos θv, its share of a disc
 /// Weights of directional lights are the density of the points to this power; −1 would make them uniform over the
 /// hemisphere, and 0 prefer highlights.
 constexpr double k_density_power = -0.6;

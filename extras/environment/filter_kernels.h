@@ -51,7 +51,7 @@ struct KernelSample {
 /// The sizes of the lights used by the fit, as roughnesses of K, whose half width is approximately 2 r² radians:
 /// from 1.6 degrees, which a picture of a sphere 128 pixels wide resolves, to the cosine.
 inline constexpr std::array<double, 6> k_light_sizes{0.12, 0.25, 0.4, 0.6, 0.8, 1};
-inline constexpr int k_light_samples = 64;  ///< of a light's emission
+inline constexpr int k_light_samples = 64;  ///< number of samples of a light's emission
 
 /// K of a light, and samples of its density over all directions.
 struct LightKernel {

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::MatrixXd;
 
-constexpr int k_lights_per_size = 256;  ///< for each view
+constexpr int k_lights_per_size = 256;  ///< number of lights of a size for each view
 /// Errors are relative to the radiance, as visible errors are. The radiance includes a fraction of its luminance,
 /// so that a channel that reflects little is not fitted as closely as the others.
 constexpr double k_luminance_share = 0.3;

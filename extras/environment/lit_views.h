@@ -8,7 +8,7 @@
 
 namespace SRBF_NAMESPACE {
 
-inline constexpr int k_view_samples = 2048;  ///< of the reflected light: albedos within approximately 0.3 %
+inline constexpr int k_view_samples = 2048;  ///< number of samples of reflected light; albedos are within about 0.3 %
 /// The radiance of an ambient light beside a light of radiance 1. Errors are relative to the radiance under both.
 inline constexpr double k_ambient = 0.1 / k_pi;
 

@@ -46,7 +46,7 @@ struct OpenMaterialRows : JsonRows {
     std::size_t table_depth = 0, column = 0;
     SpectralRow row{};
     std::vector<SpectralRow> rows;
-    std::vector<std::array<float, 2>> receiver;  ///< as `ScatteredSamples` has them
+    std::vector<std::array<float, 2>> receiver;  ///< `ScatteredSamples::receiver`
 
     /// The columns of a file: wavelength, θ_l, θ_v, φ_v and f.
     static constexpr std::array<std::size_t, 5> k_order{k_wavelength_column, 0, 2, 3, k_value_column};

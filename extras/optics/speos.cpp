@@ -26,7 +26,7 @@ constexpr double k_same_percentage = 0.1;
 struct SpeosSide {
     bool is_there = false, is_transmission = false;
     std::vector<float> rotation;
-    std::vector<std::vector<float>> incidence;  ///< for each rotation
+    std::vector<std::vector<float>> incidence;  ///< angles of incidence of each rotation
     double theta = 0;                           ///< polar angle of the light for the percentages [rad]
     std::vector<float> wavelength, percent;
 };

@@ -13,15 +13,15 @@ namespace SRBF_NAMESPACE {
 struct PageMaterial {
     std::string name;                  ///< "Measured", "film"
     std::string kind;                  ///< "multivariate, 208 bytes"
-    std::optional<Material> material;  ///< for its picture; without it the page has only plots and tables of it
-    Evaluate brdf;                     ///< for the plots
+    std::optional<Material> material;  ///< what its picture shows; none: only plots and tables
+    Evaluate brdf;                     ///< the function that plots show
     bool both_sides = false;           ///< true for a BSDF, whose plots go all around
     std::string parameters;            ///< text to read and copy; may be empty
 };
 
 struct Page {
     std::string title;
-    std::vector<PageMaterial> materials;  ///< at least one; the first is drawn widest in the plots
+    std::vector<PageMaterial> materials;  ///< one or more materials; plots draw the first widest
     /// A table with one column per material.
     struct Row {
         std::string name, meaning;       ///< `meaning` appears below the table; may be empty

@@ -58,7 +58,7 @@ struct PathOptions {
     /// True if surfaces block light. If false, all light reaches every point, in one bounce, as in `rasterize`.
     bool occlusion = true;
     std::uint64_t seed = 0;
-    int threads = 0;  ///< 0: as many as the machine has; the picture does not depend on it
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
     /// Called regularly with the completed fraction, 0..1, by one thread at a time.
     std::function<void(double)> progress;
 };

@@ -35,8 +35,8 @@ class GlObject {
 struct RasterView {
     Camera camera;
     double aspect = 4.0 / 3;
-    std::span<const DirectionalLight> lights;  ///< as many as the material was made for
-    float exposure = 1;                        ///< for PixelOutput::shown
+    std::span<const DirectionalLight> lights;  ///< the lights, whose number the material's text has
+    float exposure = 1;                        ///< exposure of PixelOutput::shown
     /// True: back faces are drawn, which open surfaces need. Without them a frame of a scanned mesh takes two
     /// thirds of the time.
     bool back_faces = true;
@@ -108,7 +108,7 @@ class RasterMaterial {
     void load_table(std::array<std::uint32_t, 3> size, std::vector<Float4> texels);
 
     GlObject program_, numbers_, no_array_;
-    std::vector<Texture> textures_;  ///< in the order of their units
+    std::vector<Texture> textures_;  ///< textures in the order of their units
     std::size_t data_bytes_ = 0, auxiliary_bytes_ = 0;
 };
 
@@ -137,7 +137,7 @@ class RasterTarget {
     int width_ = 0, height_ = 0, samples_ = 1;
     Format format_{};
     GlObject colour_, depth_, framebuffer_;
-    GlObject resolved_colour_, resolved_;  ///< with one sample per pixel, if the others have several
+    GlObject resolved_colour_, resolved_;  ///< the averages of several samples per pixel
 };
 
 /// Pictures of the scene with each material: linear radiance and coverage, as from other renderers. Errors: as

@@ -94,9 +94,9 @@ Evaluate part_of(Evaluate bsdf, Part part);
 /// τ has nodes on rings of one θ each. It is linear in the azimuth between the nodes of a ring, and linear in θ between
 /// rings. It is constant before the first ring, and falls to 0 at 90°, where readers and fits end mirrors by a ring.
 struct Beam {
-    std::vector<float> theta;        ///< of each ring [rad], increasing, 0..π/2
-    std::vector<Rgb> share;          ///< of the nodes, ring by ring, 0..1 each
-    std::vector<int> azimuths = {};  ///< of each ring the number n of its nodes, at 2πk/n; empty: 1 each
+    std::vector<float> theta;        ///< polar angle of each ring [rad], increasing, 0..π/2
+    std::vector<Rgb> share;          ///< τ at the nodes, ring by ring, 0..1
+    std::vector<int> azimuths = {};  ///< number n of nodes of each ring, at 2πk/n; empty: 1 each
     bool empty() const { return theta.empty(); }
     int nodes(std::size_t ring) const { return azimuths.empty() ? 1 : azimuths[ring]; }
     friend bool operator==(const Beam&, const Beam&) = default;

@@ -21,7 +21,7 @@ struct RglOptions {
     std::uint32_t colours = 96;  ///< nodes of the colours along each side; 32 or 64 in the RGL database
     std::string description;
     Channels spectra = {};  ///< the spectra of `brdf`, which the table then has too; none without wavelengths
-    int threads = 0;        ///< 0: as many as the machine has; the result does not depend on it
+    int threads = 0;        ///< number of threads; 0: all of the machine. The result does not depend on it
 };
 /// `brdf` in the parameterization of `RglTable`, as an isotropic material. With
 ///   D(θ_h) = 0.9 D_h(θ_h) + 0.1/π,  D_h ∝ max over directions within 84° of the luminance of f_r (cosθl cosθv)^¾,
@@ -36,7 +36,7 @@ struct MbsdfOptions {
     std::uint32_t polar = 90;      ///< n_θ, number of angles θ_l and of θ_v; 45 in NVIDIA's examples
     std::uint32_t azimuths = 181;  ///< n_φ; 90 in NVIDIA's examples
     std::vector<MbsdfTable::Entry> metadata;
-    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
 };
 /// `brdf` at the samples of an `MbsdfTable`, as an isotropic material, with azimuth 0 of the light; not evaluated
 /// beyond 89.7°. The format has no mark for what is not measured: such a sample is the mean of its neighbours in θ_v

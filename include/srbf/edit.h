@@ -51,7 +51,7 @@ struct TurnHue {
 struct Coat {
     double roughness = 0.1;  ///< α of the interface, 0.02..1
     double ior = 1.5;        ///< n, 1.05..3
-    Rgb tint{1, 1, 1};       ///< of light that passes twice through the layer along the normal, each 0..1
+    Rgb tint{1, 1, 1};       ///< transmittance of two passes through the layer along the normal, 0..1
 };
 /// Turns the tangent; an isotropic model stays as it is.
 struct Rotate {
@@ -68,7 +68,7 @@ std::string text(const Edit& edit);
 struct EditOptions {
     /// Lobes of a refit; none: those of the model, and three more under a coat.
     std::optional<int> lobes = {};
-    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
     ProgressToken progress = {};
 };
 

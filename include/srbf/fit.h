@@ -21,7 +21,7 @@ SRBF_BEGIN
 struct Trial {
     int lobes = 0;
     std::size_t bytes = 0;
-    double error = 0;  ///< of a table the mean ΔE_ITP; of samples held out, by the objective's measure
+    double error = 0;  ///< a table's mean ΔE_ITP; held-out samples' measure of the objective
 };
 
 /// J, the number of lobes of a multivariate model, 1..k_most_fitted_lobes.
@@ -73,8 +73,8 @@ struct FitRequest {
     Objective objective = k_default_objective;
     std::optional<double> max_theta = {};  ///< θmax of the fit and of all errors [rad]; none: the objective's default
     bool spectral = false;                 ///< a coefficient for each wavelength of the measurement; PM only
-    std::uint64_t seed = 0;                ///< of the random numbers
-    int threads = 0;                       ///< 0: as many as the machine has; the outcome does not depend on it
+    std::uint64_t seed = 0;                ///< seed of the random numbers
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
 
     double theta() const { return max_theta.value_or(default_max_theta(objective)); }  ///< [rad]
 };
@@ -89,14 +89,14 @@ struct Noise {
 
 /// A fitted model with its errors and statistics.
 struct FitOutcome {
-    Model model;  ///< as stored; its provenance has objective, max_theta, seed, and the errors once they are measured
-    Model unrounded;                 ///< before rounding
-    std::optional<StopReason> stop;  ///< of an iterative fit
+    Model model;      ///< the stored model; its provenance has options of the fit, and errors once they are measured
+    Model unrounded;  ///< before rounding
+    std::optional<StopReason> stop;  ///< why an iterative fit stopped
     double max_theta = 0;            ///< [rad]
     double fit_seconds = 0;          ///< without the measurement of errors, which includes cross-validation
     std::uint64_t masked = 0;        ///< number of evaluated pairs where nothing was measured
     std::uint64_t clamped = 0;       ///< number of negative channel values among them; set to 0 unless they are noise
-    double largest_albedo = 1;       ///< of a channel of what was fitted, at views up to 80°; 1 if that is larger
+    double largest_albedo = 1;  ///< largest albedo of the observations in a channel, at views up to 80°; at least 1
     /// The noise of a table. If more than 30 % of pairs are negative (`Noise::negative`), the fit keeps negative values,
     /// as noise about a mean.
     std::optional<Noise> noise;
@@ -163,7 +163,7 @@ Result<Evaluate> smoothed_to_noise(const Measured& measured, int threads = 0, co
 
 /// Light that leaves a surface for a direction of the incident light.
 struct Hemispherical {
-    double theta = 0;     ///< of the incident light [rad]
+    double theta = 0;     ///< polar angle of the incident light [rad]
     double phi = 0;       ///< its azimuth in the part's frame [rad]
     double measured = 0;  ///< Σ over outgoing directions of f cosθ dω, with the beam; green [1]
     double fitted = 0;
@@ -174,7 +174,7 @@ struct PartFit {
     Part part = Part::reflection_front;
     std::optional<Part> answered_by;  ///< the part that answers for it too; none: it has a model of its own
     bool black = false;               ///< all values are 0
-    FitOutcome outcome;  ///< of its own model; without errors of pictures where its table says how it is fitted
+    FitOutcome outcome;               ///< fit of the part's own model; a fit of patches has no errors of pictures
     /// Σ w (f − f̂)² / Σ w f², without beams: at pairs of directions within 80°, w both cosines,
     /// unless the table is fitted in a way of its own.
     double squared_error_ratio = 0;

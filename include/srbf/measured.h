@@ -64,7 +64,8 @@ struct RglTable {
     /// of a spectral file, in the file's layout: slices × wavelengths × height × width of `colour`
     std::vector<float> spectra;
     std::vector<float> phi_l;  ///< [rad], increasing; there are slices for each. Empty: isotropic
-    int symmetry = 1;  ///< of the measured azimuths: 1 none, 2 the other half is rotated by π, 4 mirrored at both axes
+    int symmetry =
+        1;  ///< measured azimuths: 1 all, 2 half (the rest is rotated by π), 4 a quarter (mirrored at both axes)
     bool jacobian = true;
     std::vector<float> theta_l;  ///< [rad], increasing; a slice for each
     Profile ndf;                 ///< microfacet distribution
@@ -87,7 +88,7 @@ struct MbsdfTable {
     bool grey = false;           ///< one number a sample in the file: the channels are equal
     std::vector<Rgb> cells;    ///< f_r [1/sr]; k varies fastest, then j; negative channels not yet clamped. NaN: masked
     std::uint64_t masked = 0;  ///< samples that are not finite
-    std::vector<Entry> metadata;  ///< in the order of the file
+    std::vector<Entry> metadata;  ///< the header's lines, in the order of the file
 };
 
 class SampleIndex;
@@ -141,8 +142,8 @@ struct BsdfTable {
         Parts<Measured> part;
         Beams beam;
     };
-    std::vector<Band> bands;  ///< at least one
-    std::size_t chosen = 0;   ///< the one that all functions look up
+    std::vector<Band> bands;  ///< one band or more
+    std::size_t chosen = 0;   ///< index of the band that all functions look up
     std::string description;
     const Band& band() const { return bands[chosen]; }
 };
@@ -200,7 +201,7 @@ Result<Done> choose_band(Measured& measured, std::string_view name);
 
 /// The quantity of the values of samples.
 enum class Quantity {
-    stated,  ///< as the file states it, or else f
+    stated,  ///< the quantity that the file states, or else f
     bsdf,    ///< f [1/sr]
     factor,  ///< the reflectance factor, π f
     cosine,  ///< corrected by the cosine, f cosθ_v [1/sr]

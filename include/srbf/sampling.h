@@ -94,8 +94,8 @@ struct ProposeOptions {
     /// may be stretched along an axis. Of the functions of this header only `propose(model)` chooses it, for facets
     /// that are rougher along a tangent.
     int azimuths = 1;
-    int threads = 0;                        ///< 0: as many as the machine has; the result does not depend on it
-    std::optional<FacetTerms> facets = {};  ///< of a BRDF that consists of them, `facets_of`
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
+    std::optional<FacetTerms> facets = {};  ///< the facets of a BRDF that has some, `facets_of`
 };
 /// The recommended number of azimuths for an anisotropic BRDF.
 inline constexpr int k_anisotropic_azimuths = 8;

@@ -25,7 +25,7 @@ struct CodeOptions {
     bool albedo = false;                 ///< also NAME_albedo
     bool blend = false;                  ///< also functions that mix two or three models by a mask
     std::vector<std::string> with = {};  ///< also functions of extras: "environment"
-    int threads = 0;  ///< for weights of sampling, albedos and what extras add; 0: as many as the machine has
+    int threads = 0;                     ///< number of threads; 0: all of the machine. The result does not depend on it
 };
 
 struct NamedModel {

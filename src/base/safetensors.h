@@ -16,7 +16,7 @@ enum class Type16 { half, count };  // "F16", "U16"
 struct Tensor16 {
     Type16 type = Type16::half;
     std::vector<std::uint64_t> shape;
-    std::vector<std::uint16_t> data;  ///< as many elements as the product of the shape
+    std::vector<std::uint16_t> data;  ///< the elements; their number is the product of the shape
 };
 
 struct TensorShape {

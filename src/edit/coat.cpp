@@ -149,7 +149,7 @@ class Layer {
     }
 
     Coat coat_;
-    std::vector<double> passed_;  ///< by rings, from outside
+    std::vector<double> passed_;  ///< light that passes the interface from outside, by rings
     Harmonics repeated_;          ///< reflected more than once below the interface [1/sr], times 2 but for m = 0
 };
 

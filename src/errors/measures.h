@@ -17,8 +17,8 @@ inline constexpr std::array<double, 4> k_albedo_theta{0, 30, 60, 75};
 
 /// Names of a measure in output.
 struct MeasureName {
-    const char* name;   ///< in JSON and provenance
-    const char* title;  ///< in tables
+    const char* name;   ///< name in JSON and provenance
+    const char* title;  ///< title in tables
     double Measures::*member;
     bool is_ratio;  ///< printed in per cent; otherwise the root of a mean, divided by `unit`
     double unit = 1;

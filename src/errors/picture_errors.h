@@ -8,7 +8,7 @@
 
 SRBF_BEGIN
 
-inline constexpr int k_sphere_pixels = 64;  ///< of a picture along a side
+inline constexpr int k_sphere_pixels = 64;  ///< width and height of a picture [pixels]
 
 /// The verdict on an error of pictures: the worse of those by ΔE_ITP and by ꟻLIP.
 enum class Verdict { alike, close, differs, other };
@@ -24,8 +24,8 @@ std::string_view words(Verdict verdict);
 
 /// Names of a picture's error in output.
 struct PictureErrorName {
-    const char* name;   ///< in JSON
-    const char* title;  ///< in tables
+    const char* name;   ///< name in JSON
+    const char* title;  ///< title in tables
     double PictureErrors::*member;
 };
 inline constexpr std::array<PictureErrorName, 4> k_picture_errors{{

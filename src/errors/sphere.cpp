@@ -85,7 +85,7 @@ double sky(const Lighting& lighting, Vec3d shares, int channel) {
 struct Pixel {
     Vec3f wv;
     std::vector<Vec3f> wl;
-    std::vector<Vec3d> shares;  ///< for the first pairs: `sky_shares` times cosθl dωl, the terms of any sky
+    std::vector<Vec3d> shares;  ///< terms of any sky at the first pairs: `sky_shares` times cosθl dωl
     std::vector<Term> terms;    ///< the terms of the sources
 };
 /// The pixel with the frame's normal. `mirrored` are points of the mixture for a viewer with its θv at azimuth 0.

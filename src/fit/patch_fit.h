@@ -9,7 +9,7 @@ inline constexpr double k_same_part = 1e-4;
 
 /// How tables of one type are fitted that are not fitted to their values at pairs of directions.
 struct PatchFit {
-    std::string_view fitted;  ///< in messages, what is fitted: "patches"
+    std::string_view fitted;  ///< what is fitted, for messages: "patches"
     bool (*is_of)(const Measured& part);
     Result<FitOutcome> (*fit)(const Measured& part, const FitRequest& request, const ProgressToken& progress);
     /// Σ w (f − f̂)² / Σ w f² of a function (`PartFit`).

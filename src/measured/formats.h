@@ -39,8 +39,8 @@ struct TableOptions {
     double max_theta = 89 * k_degree;  ///< bound on θ of these directions [rad]
     std::string choice = {};           ///< a value of the format's `WriterOption`; empty for the default
     bool spectra = true;               ///< RGL files hold spectra beside colours, see `write_rgl`
-    int threads = 0;                   ///< 0 for as many as the machine has; the result does not depend on it
-    ProgressToken progress = {};       ///< for cancellation
+    int threads = 0;                   ///< number of threads; 0: all of the machine. The result does not depend on it
+    ProgressToken progress = {};       ///< the token that can cancel the writer
 };
 
 struct Format {

@@ -142,11 +142,11 @@ struct ObserveOptions {
     double max_theta = 0;       ///< [rad], from 1° to 89.9°; 0: the objective's default
     std::size_t count = 65536;  ///< maximum number of pairs, 1024..2^24; an eighth of them are horizon pairs
     std::uint64_t seed = 0;
-    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
     /// The measurement, smoothed to its noise (see `smoothed`); null: use the measurement itself.
     Evaluate smoothed = nullptr;
-    double noise = 0;             ///< of a smoothed measurement, relative to its dark values: `largest_share`
-    bool horizon_albedos = true;  ///< for appearance; false for values that were not measured
+    double noise = 0;             ///< noise of a smoothed measurement relative to its dark values, `largest_share`
+    bool horizon_albedos = true;  ///< appearance: albedos near the horizon; false if values there were not measured
     /// Divides the sizes of the pool, of the bound pairs around the mirror direction and of the albedos'
     /// quadratures. For values interpolated between a few samples, each of which needs a search.
     std::size_t fewer = 1;

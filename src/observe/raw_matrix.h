@@ -10,8 +10,8 @@ namespace SRBF_NAMESPACE {
 struct TabulateOptions {
     int directions = 1536;                     ///< n, k_least_views..k_most_views
     int between = 512;                         ///< m ≥ 0, the number used by a fit; 0: only the raw matrix
-    Discretise discretise = Discretise::view;  ///< of the model to be fitted
-    int threads = 0;                           ///< 0: as many as the machine has; the result does not depend on it
+    Discretise discretise = Discretise::view;  ///< `SuModel::discretise` of the model to be fitted
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
 };
 
 /// A BRDF at all pairs of n directions (the raw data of Tsai 2009, 12 n² bytes), and at further directions for each

@@ -42,7 +42,7 @@ class SurfaceData {
     void add_pixel_rows(const Outputs& outputs, const std::vector<Outputs>& derivatives, PixelSlopes& slopes,
                         Eigen::MatrixXd& H, Eigen::VectorXd& g) const;
 
-    std::vector<Vec3f> wl_, wv_;  ///< of pixels, then of pairs
+    std::vector<Vec3f> wl_, wv_;  ///< directions of pixels, then of pairs
     std::vector<Pixel> pixel_;
     std::vector<float> light_;
     Pixels pixels_;
@@ -93,7 +93,7 @@ template <typename Variables> class SurfaceProblem {
     Eigen::VectorXd most_;
     std::vector<Rgb> f_;
     SurfaceData::Outputs outputs_;
-    std::vector<SurfaceData::Outputs> derivatives_;  ///< of the outputs, by each variable
+    std::vector<SurfaceData::Outputs> derivatives_;  ///< derivatives of the outputs by each variable
     PixelSlopes slopes_;
 };
 

@@ -12,7 +12,7 @@ namespace SRBF_NAMESPACE {
 /// seed. It continues scans to other angles of incidence as microfacets do, whatever the distribution of their
 /// normals.
 struct FacetMixture {
-    std::array<std::vector<float>, 3> amounts;  ///< for each channel: k, then F0_r, F90_r for each roughness
+    std::array<std::vector<float>, 3> amounts;  ///< amounts of each channel: k, then F0_r, F90_r of each roughness
     double bound = 0;                           ///< bound on f cosθl cosθv, as for fits, if the Lambert term is less
 };
 /// Fits with the weights of the observations, adapted to the residuals.

@@ -12,7 +12,7 @@ namespace SRBF_NAMESPACE {
 /// different folds, so that no fold contains a whole highlight; otherwise folds are random.
 /// Errors: fewer than k_folds groups.
 Result<std::vector<int>> assign_folds(const ScatteredSamples& samples, double max_theta, std::uint64_t seed);
-inline constexpr double k_group_distance = 0.5 * k_degree;  ///< of √(|Δωl|² + |Δωv|²), to first order
+inline constexpr double k_group_distance = 0.5 * k_degree;  ///< bound on √(|Δωl|² + |Δωv|²), to first order
 /// The samples of all folds except `left_out`.
 ScatteredSamples without_fold(const ScatteredSamples& samples, std::span<const int> fold, int left_out);
 

@@ -13,7 +13,7 @@ struct ObserveSamplesOptions {
     std::uint64_t seed = 0;
     bool spectral = false;  ///< also observe the spectra of spectral samples, not only their colours
     bool fill_gaps = true;  ///< also observe the gap-filled samples, to which lobes are then fitted
-    int threads = 0;        ///< 0: as many as the machine has; the result does not depend on it
+    int threads = 0;        ///< number of threads; 0: all of the machine. The result does not depend on it
     /// If not 0, a quick mode for fits of many files: only the samples filled by one g, at this many pairs and
     /// without views.
     std::size_t only_gap_filled = 0;

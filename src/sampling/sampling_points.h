@@ -26,7 +26,7 @@ struct SamplingPoints {
     std::array<Aligned<float>, 3> wl, wv;
     Aligned<float> weight;  ///< (f cosθl)² times the point's solid angle, relative to the squared albedo
     std::vector<Aligned<float>> density;  ///< components × points
-    std::optional<ProposalShape> shape;   ///< of the densities, once they are computed
+    std::optional<ProposalShape> shape;   ///< shape of the lobes whose densities were computed; none: not yet
 
     std::size_t size() const { return weight.size(); }
     void add(const Vec3f& l, const Vec3f& v, float point_weight) {

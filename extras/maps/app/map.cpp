@@ -37,7 +37,7 @@ struct MapCommand {
 
 /// A map whose texels are solved in parts while it is written.
 struct MapInParts {
-    TexelMap lobes;  ///< with its width and provenance
+    TexelMap lobes;  ///< the map without coefficients, with width and provenance
     std::size_t texels = 0, part = 0;
     std::function<Result<TexelCoefficients>(std::size_t first, std::size_t count)> solve;
 };

@@ -43,10 +43,10 @@ Result<Done> check_pictured(const Pictured& pictured, const Mesh& mesh, const Pa
 /// up. The wall with the opening is at z = 0, the room at z < 0.
 struct Room {
     Mesh shade;     ///< a rectangle, its front outwards, to +z
-    Mesh walls;     ///< with floor and ceiling, visible from inside, without the opening
+    Mesh walls;     ///< walls with an opening, floor and ceiling, visible from inside
     Mesh floor;     ///< above the floor of the walls
-    Mesh ball;      ///< on the floor
-    Camera camera;  ///< in the room, towards the shade
+    Mesh ball;      ///< a ball that lies on the floor
+    Camera camera;  ///< a camera in the room that looks at the shade
 };
 /// A rectangle with the corners `corner`, + s, + s + t and + t; its front faces s × t.
 void add_rectangle(Mesh& mesh, Vec3f corner, Vec3f s, Vec3f t) {

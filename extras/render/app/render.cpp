@@ -26,7 +26,7 @@ namespace {
 struct RenderCommand {
     std::vector<std::string> files;
     std::string renderer = "path", mesh = "ball", up = "y", mask, output, compare, json;
-    int width = 640, height = 480;  ///< of each picture
+    int width = 640, height = 480;  ///< size of a picture [pixels]
     bool aov = false;
     PathCommand path;
 

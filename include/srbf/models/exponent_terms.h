@@ -12,11 +12,11 @@ SRBF_BEGIN
 /// A term κ_jk x_k(wl, wv) of the exponent of lobe j. The feature x_k is line k of `pm_further_features` in
 /// kernel.glsl.
 struct ExponentTerm {
-    std::string_view symbol;      ///< of κ_jk, for output
-    std::string_view factor;      ///< e^{κ_jk x_k}, for output
-    std::string_view definition;  ///< of a symbol in the factor, for output; may be empty
+    std::string_view symbol;      ///< symbol of κ_jk in output
+    std::string_view factor;      ///< e^{κ_jk x_k} in output
+    std::string_view definition;  ///< definition of a symbol of the factor in output; may be empty
     double least, most;           ///< bounds of κ_jk in a fit; if `least` is 0, κ_jk ≥ 0 in files too
-    double least_if_reciprocal;   ///< of a reciprocal form: steeper lobes have ridges at views beyond what is observed
+    double least_if_reciprocal;   ///< least κ_jk of a reciprocal form: steeper lobes have ridges beyond θmax
     bool is_slope;                ///< a fit to samples ε [rad] apart also bounds |κ_jk| by 1/ε
     bool is_sharp;  ///< initial κ_jk like a bandwidth: 0, 0.3 to 6e4 or -100 to -0.3; otherwise 0, ±0.1 to ±10
 };

@@ -16,7 +16,7 @@ enum class Discretise { view, light };
 enum class SuInterpolation {
     /// from the two views adjacent in elevation, rotated to the azimuth of the view direction: for isotropic BRDFs
     rotated,
-    plain,  ///< from the K nearest views, not rotated (Tsai 2009)
+    plain,  ///< the K nearest views, not rotated (Tsai 2009)
 };
 
 /// The eight sampled views nearest to a direction, the nearest first.
@@ -32,7 +32,7 @@ enum class DirectionMap {
 struct IndexTexture {
     DirectionMap map = DirectionMap::cube;
     int size = 0;                      ///< texels along a side
-    std::vector<NearestViews> texels;  ///< of the directions at the texels' centres
+    std::vector<NearestViews> texels;  ///< nearest views of the direction at each texel's centre
     friend bool operator==(const IndexTexture&, const IndexTexture&) = default;
 };
 

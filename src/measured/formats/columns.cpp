@@ -20,7 +20,7 @@ bool is_one_of(std::string_view word, std::string_view words) {
 /// The name of a column for comparison: letters and digits in lower case, without the unit.
 struct ColumnName {
     std::string key;
-    std::optional<AngleUnit> unit;  ///< of an angle
+    std::optional<AngleUnit> unit;  ///< unit of an angle, if the name has it
     std::string text;               ///< the unit as it is written
 };
 

@@ -11,7 +11,7 @@ namespace SRBF_NAMESPACE {
 struct AngleColumn {
     std::string name;  ///< the name in the file; empty if the file lacks the angle
     std::size_t column = k_absent;
-    double constant = 0;                 ///< in `unit`, if there is no column
+    double constant = 0;                 ///< the angle in `unit`, if there is no column
     std::optional<AngleUnit> unit = {};  ///< no value if the name does not state it
     bool exists() const { return !name.empty(); }
     AngleUnit unit_or_degrees() const { return unit.value_or(k_in_degrees); }
@@ -33,7 +33,7 @@ struct Columns {
     bool in_plane = false;  ///< no azimuths: θ_v > 0 is on the mirror side
     Values values = Values::grey;
     Quantity quantity = Quantity::bsdf;
-    double unit = 1;  ///< of the values
+    double unit = 1;  ///< factor of the values
     std::vector<std::size_t> value;
     std::vector<float> wavelengths;
     std::size_t wavelength = k_absent;  ///< a column with a wavelength for each row

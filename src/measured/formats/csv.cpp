@@ -297,8 +297,8 @@ Directions directions_in(NumberRow& row, const Columns& columns) {
 /// The samples of a file: those of each part, in its frame, of a two-sided file, otherwise those of the first part.
 struct CollectedSamples {
     std::array<std::optional<SampleBuilder>, k_parts> part;
-    std::vector<SpectralRow> rows;  ///< of a table with a row for each wavelength, instead
-    std::optional<bool> isotropic;  ///< as the file states
+    std::vector<SpectralRow> rows;  ///< rows of a table with a row for each wavelength, which has no `part`
+    std::optional<bool> isotropic;  ///< whether the samples are isotropic, if the file states it
     Columns columns;
     std::string description;
 };

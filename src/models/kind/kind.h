@@ -23,7 +23,7 @@ template <typename M> struct Kind;
 
 struct FitConditions {
     bool is_isotropic = true;  ///< true if the measurement is isotropic
-    int threads = 0;           ///< 0 for as many as the machine has; the result does not depend on it
+    int threads = 0;           ///< number of threads; 0: all of the machine. The result does not depend on it
 };
 
 /// The result of a fit.

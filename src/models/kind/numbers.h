@@ -16,7 +16,7 @@ SRBF_BEGIN
 
 /// A number or a colour of a model, or of each of its lobes, by one of four pointers.
 template <typename M, typename Lobe = M> struct Member {
-    std::string_view name;  ///< of the parameter
+    std::string_view name;  ///< name of the parameter
     float least, most;      ///< infinity: the largest 16-bit float
     float M::*number = nullptr;
     Rgb M::*colour = nullptr;

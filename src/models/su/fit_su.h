@@ -14,7 +14,7 @@ struct SuFitOptions {
     SuInterpolation interpolation = SuInterpolation::rotated;  ///< stored in the model; the fit does not depend on it
     int neighbours = 3;                                        ///< K of plain interpolation, 1..k_most_neighbours
     std::uint64_t seed = 0;                                    ///< seed of the random numbers
-    int threads = 0;  ///< 0 for as many as the machine has; the result does not depend on it
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
 };
 
 struct SuFit {

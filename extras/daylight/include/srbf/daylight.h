@@ -16,7 +16,7 @@ struct AngleBasis {
         friend bool operator==(const Ring&, const Ring&) = default;
     };
     std::string name;
-    std::vector<Ring> rings;  ///< in order, from 0 to π/2
+    std::vector<Ring> rings;  ///< rings in order, from 0 to π/2
 
     std::size_t patches() const;
     /// The index of the first patch of a ring. `rings.size()` gives the number of patches.
@@ -47,7 +47,7 @@ struct KlemsTable {
     static constexpr std::string_view k_name = "KlemsTable";
     AngleBasis incident, outgoing;
     std::vector<Rgb> cells;    ///< f [1/sr] without the beam, outgoing × incident
-    std::vector<Rgb> beam;     ///< for each incident patch, the share of light in a peak within one patch; or empty
+    std::vector<Rgb> beam;     ///< each incident patch's share of light in a peak within one patch; or empty
     std::uint64_t masked = 0;  ///< cells without a measurement, which are NaN; files have none
     Rgb cell(std::size_t o, std::size_t i) const { return cells[o * incident.patches() + i]; }
     /// The outgoing patch that contains the mirror direction, or the direction straight through, of an incident
@@ -126,7 +126,7 @@ std::string write_bsdf_xml(const BsdfTable& table);
 /// The averages that a fit to a matrix of patches compares: means over pairs of patches, computed as sums over
 /// points.
 struct PatchSums {
-    std::vector<Rgb> mean;       ///< of each class of pairs [1/sr]
+    std::vector<Rgb> mean;       ///< mean f of each class of pairs [1/sr]
     std::vector<double> weight;  ///< products of projected solid angles [sr²], of each class
     std::size_t points = 0;      ///< number of points in each class
     std::vector<Vec3f> wl, wv;   ///< classes × points

@@ -17,7 +17,7 @@ struct MapOptions {
     int variates = 4;                ///< N, 1..8
     double max_theta = 0;            ///< [rad]; 0: the default of objective appearance
     std::uint64_t seed = 0;
-    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
 };
 inline constexpr int k_most_map_lobes = 256;
 

@@ -37,7 +37,7 @@ struct PmFitOptions {
     /// reciprocal form, infinity in others.
     std::optional<double> albedo_limit = {};
     std::uint64_t seed = 0;
-    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
 };
 
 /// The loss is Σ w |f−f̂|² over the observations, including horizon pairs, exceeded bound pairs and integrals.

@@ -15,8 +15,8 @@ struct Candidate {
     int start = 0;  ///< index of its start, which determines its random numbers together with the seed
     Lobes lobes = {};
     double loss = std::numeric_limits<double>::infinity();  ///< most recent value
-    Eigen::MatrixXd beta = {}, gram = {};                   ///< for that loss: J × C; E·E
-    int perturbations = 0;                                  ///< number of perturbations so far
+    Eigen::MatrixXd beta = {}, gram = {};  ///< coefficients of that loss, J × C; products of columns EᵀE
+    int perturbations = 0;                 ///< number of perturbations so far
 };
 
 // Each of these functions advances a candidate on the rows of a problem, and returns early if cancelled.

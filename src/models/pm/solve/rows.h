@@ -42,7 +42,7 @@ struct Rows {
     };
     /// Each view has `view_rows` rows, a power of two from k_row_multiple to k_block.
     std::size_t views = 0, view_rows = 0;
-    std::vector<Pixel> pixel;              ///< in the order of the views
+    std::vector<Pixel> pixel;              ///< pixels in the order of the views
     std::vector<std::size_t> first_pixel;  ///< index of each view's first pixel, then the number of pixels
     Aligned<float> light;
     Pixels pixels;
@@ -56,7 +56,7 @@ struct Rows {
     /// of pairs, the blocks of one integral, or one block of views.
     static constexpr std::size_t k_chunk = 8;
     std::size_t chunks_of_pairs() const { return (blocks + k_chunk - 1) / k_chunk; }
-    std::size_t chunks() const { return chunks_of_pairs() + integrals; }  ///< of pairs and integrals
+    std::size_t chunks() const { return chunks_of_pairs() + integrals; }  ///< number of chunks of pairs and integrals
     std::size_t total_chunks() const { return chunks() + total_blocks() - first_view_block(); }
     bool is_integral(std::size_t block) const { return block >= blocks; }
     /// Calls body(chunk, begin, end) for the blocks of the first `count` chunks.

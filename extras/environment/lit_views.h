@@ -29,8 +29,8 @@ struct LitView {
     Eigen::MatrixXd radiance;  ///< lights × 3: weight × radiance
 };
 
-/// A BRDF that is sampled at another azimuth each time if it is anisotropic, so that sums are those of its mean
-/// over azimuths.
+/// A BRDF that, if it is anisotropic, is sampled at another azimuth each time, so that sums are over its mean over
+/// azimuths.
 class AveragedBrdf {
   public:
     AveragedBrdf(const PreparedBrdf& brdf, bool isotropic) : brdf_(brdf), isotropic_(isotropic) {}

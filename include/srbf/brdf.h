@@ -81,8 +81,8 @@ constexpr bool is_transmission(Part part) { return part >= Part::transmission_fr
 constexpr bool is_back(Part part) { return part == Part::reflection_back || part == Part::transmission_back; }
 
 /// BRDFs, in the order of `Part`. An empty part has the values of its counterpart. A transmission follows from the
-/// other one by reciprocity, with light and viewer exchanged. A reflection is that of the other side, as if front and
-/// back were alike. If both are empty, the part is 0.
+/// other one by reciprocity, with light and viewer exchanged. A reflection equals the reflection of the other side, as
+/// if front and back were alike. If both are empty, the part is 0.
 template <typename B> using Parts = std::array<std::shared_ptr<const B>, k_parts>;
 
 /// A part of a BSDF as a function in its own frame.
@@ -104,8 +104,9 @@ struct Beam {
 /// τ of a beam at the direction to the light, in the part's frame on either side; 0 if that is not finite.
 Rgb share_at(const Beam& beam, Vec3f wl);
 
-/// The beams of a BSDF, in the order of `Part`. An empty one is 0, but that of a transmission is its counterpart's by
-/// reciprocity, τ(mirror(wl)), and that of a reflection whose part is empty too is that of the other side.
+/// The beams of a BSDF, in the order of `Part`. An empty beam is 0, except in two cases. In a transmission it follows
+/// from its counterpart by reciprocity, τ(mirror(wl)). In a reflection whose part is empty too, it equals the beam of
+/// the other side.
 using Beams = std::array<Beam, k_parts>;
 /// τ of a part at the direction to the light, in the part's frame on either side.
 Rgb share_at(const Beams& beams, Part part, Vec3f wl);

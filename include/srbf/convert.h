@@ -28,8 +28,8 @@ struct RglOptions {
 ///   ∫ D_h(m) cosθ_m dm = 1,
 ///   σ(θ) = ∫ D(m) max(0, m·ω) dm / ∫ D(m) cosθ_m dm,
 /// `ndf` is D, `sigma` is σ, `visible` is D(m) max(0, m·ωl) sinθ_m u(θ_m), normalised. The colours are f_r cosθv 4 σ /
-/// D at the directions that the warp gives. Where such a direction lies beyond 89.7°, the colour is that of the nearest
-/// node within.
+/// D at the directions that the warp gives. Where such a direction lies beyond 89.7°, the nearest node within gives the
+/// colour.
 RglTable to_rgl(const Evaluate& brdf, const RglOptions& options = {});
 
 struct MbsdfOptions {

@@ -26,7 +26,7 @@ std::vector<double> body_shares(const PmModel& model);
 // The edits. Colours are factors of linear R, G, B.
 
 /// Widens the highlight as facets of `factor` times the roughness would: slopes of half vectors are divided by it, at
-/// the same angle of the light to the half vector, and masking is that of GGX facets of the new roughness. A refit.
+/// the same angle of the light to the half vector, and GGX facets of the new roughness give the masking. A refit.
 struct Roughen {
     double factor = 1;  ///< 0.1..10
 };
@@ -66,7 +66,7 @@ using Edit = std::variant<Roughen, Tint, Saturate, TurnHue, Coat, Rotate, Reduce
 std::string text(const Edit& edit);
 
 struct EditOptions {
-    /// Lobes of a refit; none: those of the model, and three more under a coat.
+    /// Number of lobes of a refit; none: the number of the model, and three more under a coat.
     std::optional<int> lobes = {};
     int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
     ProgressToken progress = {};

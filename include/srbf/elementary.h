@@ -27,7 +27,7 @@ constexpr double square(double x) { return x * x; }
 double pow(double x, double y);
 /// ∛x: 1 ulp, of either sign.
 double cbrt(double x);
-/// x in radians: 3 ulp for |x| ≤ 10⁵; beyond, that of the remainder of x by the double 2π. NaN of ∞.
+/// x in radians: 3 ulp for |x| ≤ 10⁵; beyond, the sine or cosine of the remainder of x by the double 2π. NaN for ∞.
 double sin(double x);
 double cos(double x);
 /// The angle of the point (x, y) in [−π, π]: 4 ulp. Signs and zeros as in <cmath>.

@@ -45,8 +45,8 @@ struct PmRequest {
     /// a surface and patches of directions by `extended`. A reciprocal form is fitted to the mean of what reached the
     /// instrument, (cosθv f(ωl, ωv) + cosθl f(ωv, ωl)) / (cosθv + cosθl).
     std::optional<PmForm> form = {};
-    std::optional<int> variates = {};  ///< N, 1..k_most_variates; none: that of the form
-    std::optional<PmSize> size = {};   ///< none: the number of the form for a table, automatic for samples
+    std::optional<int> variates = {};  ///< N, 1..k_most_variates; none: `FormRow::variates`
+    std::optional<PmSize> size = {};   ///< none: `FormRow::lobes` for a table, automatic for samples
     std::optional<bool> axial = {};    ///< none: axial if the measurement is isotropic
     /// Limit on the directional albedo of a channel; infinity: there is none. None: 1 in a reciprocal form, infinity in
     /// others.
@@ -140,8 +140,8 @@ class Fitter {
     /// Fits the requested model. For scattered samples this also measures the errors. Errors: a two-sided
     /// measurement; `measure` takes its front reflection.
     Result<FitOutcome> fit(const FitRequest& request, const ProgressToken& progress = {});
-    /// A first model of PM: of a table by a search of a few tens of milliseconds, of samples the fit to all of them,
-    /// without cross-validation. Without a number of lobes it has that of the form.
+    /// A first multivariate model. For a table a search of a few tens of milliseconds finds it. For samples it is the
+    /// fit to all of them, without cross-validation. If no number of lobes is requested, it has `FormRow::lobes`.
     Result<FitOutcome> draft(const FitRequest& request, const ProgressToken& progress = {});
     /// Measures the errors of `outcome` and adds them to its provenance.
     Result<Done> measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress = {}) const;

@@ -211,7 +211,7 @@ enum class Quantity {
 struct ReadOptions {
     /// Names of the columns of a file of numbers, as a CSV file has them, separated by blanks or commas. They replace
     /// the names in the file. An entry may also be a constant, such as phi_l_deg=180. If the text is empty or has
-    /// constants alone, the names are those of the file.
+    /// constants alone, the file names its columns.
     std::string columns;
     Quantity quantity = Quantity::stated;
     /// Samples whose values are no more than this in any channel are masked: bounds, not measurements.

@@ -56,7 +56,7 @@ class MixtureProposal {
     static constexpr int k_components = k_lobes + int(std::tuple_size_v<FacetTerms>);
     using Row = std::array<float, k_lobes>;
 
-    /// The weights of the lobes at node i, where ∜cosθv = 1 − 0.9 i / 14; with those of the facets they sum to 1.
+    /// The weights of the lobes at node i, where ∜cosθv = 1 − 0.9 i / 14; together with `facet_weight` they sum to 1.
     const Row& weight(std::size_t node) const { return weight_[node]; }
     /// The running sums of the weights.
     const Row& running(std::size_t node) const { return running_[node]; }
@@ -77,7 +77,7 @@ class MixtureProposal {
   private:
     alignas(64) std::array<Row, k_nodes> weight_{}, running_{};
 };
-/// The selector chooses a lobe, and u a direction of it. The domain is that of every proposal, above.
+/// The selector chooses a lobe, and u a direction of it. The domain is the same for every proposal, above.
 Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector);
 /// Is 0 if wl.z or wv.z is 0, negative or subnormal.
 float pdf(const MixtureProposal& proposal, Vec3f wl, Vec3f wv);

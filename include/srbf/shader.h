@@ -59,9 +59,10 @@ std::string version_text(Dialect dialect);
 /// (`merl_texels`); for models of few numbers a uniform (`uniform_of`). Materials with the same text differ only in these.
 /// The text includes which centres of axial lobes are −z. A BSDF's model is in the text, with its numbers as constants.
 ///
-/// Behind a line `#define PM_EDITED`, the text of a multivariate model is that of a part of it: int edited_part is 0 for the
-/// highlight, 1 for the body. Further uniforms are float edited_shares[], the shares of `body_shares` (edit.h), and vec2
-/// edited_roughness, the factor of the highlight's roughness and its own α. Tints and saturation are linear in both pictures.
+/// If the host writes a line `#define PM_EDITED` before the text of a multivariate model, its functions evaluate only one
+/// part of it: the highlight if the uniform int edited_part is 0, the body if it is 1. Further uniforms are float
+/// edited_shares[], the `body_shares` of edit.h, and vec2 edited_roughness, the factor of the highlight's roughness and its
+/// own α. Pictures of tints and saturations are linear combinations of the pictures of both parts.
 std::string brdf_text(const Material& material);
 
 /// The text, to follow `brdf_text`, that defines

@@ -70,11 +70,11 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
 ///   struct NAME_Coefficients { Vec3 lobe[J]; }         a material: R, G, B of each lobe
 ///   Vec3 NAME_layer(int j, float u, float v)           the coefficient of lobe j at (u, v) of the map, which the host
 ///                                                      supplies: a look-up in layer j of its textures
-///   NAME_Coefficients NAME_coefficients(float u, float v)   those of all lobes, by NAME_layer
+///   NAME_Coefficients NAME_coefficients(float u, float v)   the coefficients of all lobes, by NAME_layer
 ///   Vec3 NAME_brdf(Vec3 wl, Vec3 wv, NAME_Coefficients)     f_r [1/sr], as above
 ///   and NAME_albedo and functions of extras, if they are wanted, with the coefficients as last argument
-/// All are linear in the coefficients, so that what a texture's filter makes of texels is the mean of their BRDFs. Not for
-/// Metal, where a function sees no textures but its arguments: NAME_layer and NAME_coefficients. Errors, of code
+/// All are linear in the coefficients, so a texture's filter returns the mean of the texels' BRDFs. The text for Metal,
+/// where a function reads only textures that are its arguments, lacks NAME_layer and NAME_coefficients. Errors, of code
 /// `argument`: a sparse library; sampling; a blend.
 Result<std::string> map_code(const TexelMap& map, std::string_view name, const CodeOptions& options = {});
 

@@ -1,5 +1,5 @@
 // The core on one page: load, fit, prepare, value, sample, pdf, albedo, save, export. The other headers declare the
-// details: fit.h requests and errors of fits, model.h and measured.h what is stored, prepared.h BRDFs of your own.
+// details: fit.h requests and errors of fits, model.h and measured.h the data, prepared.h BRDFs of your own.
 #pragma once
 #include <cstddef>
 #include <span>
@@ -13,8 +13,8 @@
 SRBF_BEGIN
 
 // Two types hold what functions take and return: a LoadedBrdf is a measurement or a fitted model, as it was read, and a
-// PreparedBrdf is a BRDF ready for a renderer. Copies of either share their content; load.h has that of the first. Both
-// may be members that are assigned later. Until then a PreparedBrdf is black, with the density 0, and a LoadedBrdf has no
+// PreparedBrdf is a BRDF ready for a renderer. Copies of either share their content, which `content` of load.h returns
+// for a LoadedBrdf. Both may be members that are assigned later. Until then a PreparedBrdf is black, with the density 0, and a LoadedBrdf has no
 // content: a function that reads it ends the program with a line and abort().
 
 // ---- Files ----

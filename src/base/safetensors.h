@@ -26,8 +26,8 @@ struct TensorShape {
 /// Returns an error unless `tensors` has exactly the tensors of `expected` and every 16-bit float is finite.
 Result<Done> check_tensors(const std::map<std::string, Tensor16>& tensors,
                            const std::map<std::string, TensorShape>& expected, const std::string& file_name);
-/// The shape [A, B] of the tensor 'bandwidth', which determines those of a model's other tensors. Returns an error, in
-/// which `expected` states the limits, unless `least` ≤ [A, B] ≤ `most`.
+/// The shape [A, B] of the tensor 'bandwidth', which determines the shapes of a model's other tensors. Returns an error,
+/// in which `expected` states the limits, unless `least` ≤ [A, B] ≤ `most`.
 using Shape2 = std::array<std::uint64_t, 2>;
 Result<Shape2> shape_of_bandwidths(const std::map<std::string, Tensor16>& tensors, Shape2 least, Shape2 most,
                                    const std::string& expected, const std::string& file_name);

@@ -1,4 +1,4 @@
-// Shading code of BSDFs: functions that call those of the parts, and beams.
+// Shading code of BSDFs: functions that call the functions of the parts, and beams.
 #pragma once
 #include <memory>
 
@@ -8,11 +8,11 @@
 
 namespace SRBF_NAMESPACE {
 
-/// Functions that call those of models.
+/// Functions that call functions of models.
 struct Caller {
-    std::string name;              ///< their names begin with it
-    std::string stubs = {};        ///< declares the functions that they call, for the parser
-    std::string stub_prefix = {};  ///< precedes the names of these in the code
+    std::string name;              ///< the beginning of their names
+    std::string stubs = {};        ///< declarations, for the parser, of the functions that they call
+    std::string stub_prefix = {};  ///< the prefix of the called functions' names in the code
 };
 /// The stubs of the functions of a BRDF.
 std::string brdf_stubs(std::string_view name);

@@ -181,8 +181,8 @@ std::string brdf_of(const Model& model, CodeLanguage language, ParameterStorage 
     return brdf_function(language, statements);
 }
 
-/// Directional albedos at the nodes. They are those of the model, whose values are the same on every processor,
-/// not of the faster functions for renderers.
+/// Directional albedos at the nodes. They are computed from the model, whose values are the same on every processor,
+/// not from the faster functions for renderers.
 std::vector<Rgb> node_albedos(const Model& model) {
     const PreparedBrdf brdf = prepare<Model>(model, CosineProposal{});
     std::vector<Rgb> reflected;

@@ -117,7 +117,7 @@ class Layer {
         const Rings::Place at(cosine);
         return (1 - at.share) * passed_[std::size_t(at.first)] + at.share * passed_[std::size_t(at.first) + 1];
     }
-    /// The share of light from below that passes the interface: by reciprocity that of the refracted direction.
+    /// The share of light from below that passes the interface: by reciprocity `passed_` at the refracted direction.
     double escaping(double cosine) const {
         const double n = coat_.ior, outside = 1 - n * n * (1 - cosine * cosine);
         return outside > 0 ? transmitted(std::sqrt(outside)) : 0;

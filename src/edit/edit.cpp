@@ -71,7 +71,7 @@ struct Editor {
     double asked = 0;       ///< the largest albedo that the edit asks for, as a fraction of the limit
     std::string done = {};  ///< the edit that is done instead, if it is another of its kind
 
-    /// Fits lobes to f, which begin as those of the model or with their highlight widened.
+    /// Fits lobes to f. The fit begins with the lobes of the model, or with their highlight widened.
     Result<PmModel> fit(const Evaluate& f, const PmModel& model, double factor, int lobes) {
         const PmModel begin[] = {model, widened(model, factor)};
         asked = bound.excess(f);

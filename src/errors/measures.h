@@ -50,8 +50,8 @@ std::vector<Measures> measure_heldout(const Channels& reference, std::span<const
                                       const MeasureOptions& options, std::uint64_t count = k_heldout_pairs,
                                       std::uint64_t seed = k_heldout_seed);
 
-/// The measures over samples: f has the measured channels of each sample, g those of the other BRDF. Each sample has
-/// weight 1; negative channels of f count as 0. Only samples within `sample_cap` count.
+/// The measures over samples: f has the measured channels of each sample, g the channels of the other BRDF. Each sample
+/// has weight 1; negative channels of f count as 0. Only samples within `sample_cap` count.
 Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const float> f,
                          std::span<const float> g, double max_theta);
 /// cos(θmax + 0.01°), with a tolerance for rounded angles in files.

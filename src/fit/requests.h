@@ -26,7 +26,7 @@ inline std::optional<int> lobes_of(const PmRequest& pm) {
     return count ? std::optional(count->lobes) : std::nullopt;
 }
 
-/// `form`: that of a request without one, which depends on what is fitted (`PmRequest::form`).
+/// `form` is used if the request has none; it depends on the measurement (`PmRequest::form`).
 inline PmFitOptions pm_options(const FitRequest& request, bool axial, PmForm form) {
     const PmRequest& pm = std::get<PmRequest>(request.model);
     const FormRow& row = row_of(pm.form.value_or(form));

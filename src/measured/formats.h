@@ -17,7 +17,7 @@ struct TableSource {
     const Measured* measured = nullptr;  ///< null for a model
     Channels spectra = {};               ///< its spectra, if it has some; otherwise without wavelengths
 };
-/// Sets the parts of a source to those of a BSDF. One of which nothing is known is black: it reflects 0.
+/// Sets the parts of a source to the parts of a BSDF. A BSDF without any known part becomes a black reflection.
 template <typename B> void set_parts(TableSource& source, const Parts<B>& parts, const Beams& beams) {
     source.two_sided = true;
     for (std::size_t p = 0; p < k_parts; ++p) source.has[p] = is_known(parts, beams, Part(p));

@@ -19,8 +19,8 @@ Result<RglTable> read_rgl(std::span<const std::byte> bytes, const std::string& f
 Result<EvaluatedTable> read_utia(std::span<const std::byte> bytes, const std::string& file_name);
 /// Reads the bytes of an MBSDF file, version 1: lines key="value", then a block of reflection: type (grey or RGB), n_θ,
 /// n_φ, and n_θ n_θ n_φ samples. A block of transmission may follow, which is checked and left out. A sample that is not
-/// finite is masked. As a format it reads both, as reflection and transmission of light from the front, whose frame is
-/// that of the parts.
+/// finite is masked. The row of the format reads both blocks, as reflection and transmission of light from the front, in
+/// the frames of these parts.
 Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::string& file_name);
 
 /// Joins files of samples of one material, such as one for each incidence. The first note has what their headers state

@@ -10,7 +10,7 @@ SRBF_BEGIN
 inline constexpr std::string_view k_file_version = "1", k_map_kind = "pm-basis", k_stack_kind = "pm-stack";
 
 /// An error if a coefficient of the model, or a reflectance of its facets, is above the largest 16-bit float, 65504,
-/// which `write_model` stores instead. `source` is that of the error.
+/// which `write_model` stores instead. `source` becomes `Error::source`.
 Result<Done> check_range(const Model& model, const std::string& source);
 
 /// The error where a model is expected, of a file that is a map.

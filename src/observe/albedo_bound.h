@@ -9,7 +9,7 @@
 
 namespace SRBF_NAMESPACE {
 
-/// The cost of a bound relative to that of all observed albedos together.
+/// The cost of a bound relative to the cost of all observed albedos together.
 inline constexpr double k_albedo_bound_cost = 8;
 
 /// The limit on the directional albedo of a channel that a fit of this form has by default; infinity: there is none.

@@ -120,7 +120,7 @@ namespace {
 /// Cosines below this count as this.
 constexpr float k_least_weight_cosine = 1e-6f;
 
-/// Replaces `count` values of each pair by their mean with those of the exchanged pair.
+/// Replaces `count` values of each pair by their mean with the values of the exchanged pair.
 void average(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::size_t count, float* f,
              const float* exchanged) {
     for (std::size_t i = 0; i < wl.size(); ++i) {

@@ -44,8 +44,7 @@ inline constexpr double k_horizon_albedo = 1;
 /// View by view: an error of 1 % in the radiances under all four lights of a view costs 1e-4 times this value in
 /// each of three channels.
 inline constexpr double k_lights_of_view = 12;
-/// View by view: the cost per solid angle of directions between those of the matrix, relative to those of the
-/// matrix.
+/// View by view: the cost per solid angle of directions between the matrix's directions, relative to the latter.
 inline constexpr double k_between_views_directions = 0.1;
 
 // ---- Observations ----
@@ -58,7 +57,7 @@ struct ObservedIntegral {
     std::vector<Rgb> f;          ///< [1/sr]
     std::vector<double> weight;  ///< weights of the quadrature, ≥ 0
     bool in_search = true;       ///< also used by a search, which has few pairs
-    double cost = 1;             ///< cost of its relative error, compared with those of the other integrals
+    double cost = 1;             ///< cost of its relative error, compared with the costs of other integrals
     bool is_bound = false;       ///< a bound that a fit exceeded, which takes no share of the cost of the others
     double least_unit = 0;       ///< its errors are relative to its luminance, or to this if this is larger
     /// a second lower limit of that unit, for noisy values; for every n-th direction it is divided by √n
@@ -183,7 +182,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
 double horizon_weight(Vec3f wl, Vec3f wv, double importance, std::size_t count, double largest_square);
 
 /// Adds to `observations` the spectra that belong to their colours, with negative values set to 0. `clamped` then
-/// counts these instead of those of the colours.
+/// counts negative values of spectra instead of colours.
 void observe_spectra(Observations& observations, const Channels& spectra);
 
 /// Views at points of equal area over the disc of a sphere, under extended and directional lights, none of which is

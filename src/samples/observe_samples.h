@@ -28,8 +28,7 @@ std::vector<std::size_t> samples_within(const ScatteredSamples& samples, double 
 /// is measured, the narrowest lobe has fallen to 0.4 % of it at the next sample.
 double least_roughness(std::span<const Vec3f> wl, std::span<const Vec3f> wv);
 /// The given samples with weight 1 and negative values set to 0. `both_ways` also adds each sample with light and
-/// viewer swapped. `spectral` adds the spectra; their negative values are then counted instead of those of the
-/// colours.
+/// viewer swapped. `spectral` adds the spectra; negative values are then counted in spectra instead of colours.
 Observations observations_of(const ScatteredSamples& samples, std::span<const std::size_t> which, bool both_ways,
                              bool spectral);
 

@@ -87,7 +87,7 @@ class NodeSearch {
     int stretch_step(int i) const {
         return start_.has_axis() ? 0 : std::clamp(i, k_least_stretch_step, k_most_stretch_step);
     }
-    /// The moment of a shape, summed over the views, from weights that begin with those of the best shape.
+    /// The moment of a shape, summed over the views. The weights begin with the weights of the best shape.
     double moment(const ShapeSteps& steps) {
         double& value = known_[steps];
         if (value > 0) return value;

@@ -75,7 +75,7 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
                           .colours = true,
                           .unrolled = true});
     if (!code) return code.error();
-    std::string functions, texels;  // their environment is that of three
+    std::string functions, texels;  // they use the environment of three.js
     std::string classes;
     DefinedNames defined;
     for (const char* own : {"MeasuredMaterial", "BlendMaterial"}) (void)defined.add(own, "the module");

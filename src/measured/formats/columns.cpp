@@ -283,7 +283,7 @@ struct ColumnAssignment {
         if (!angle[2].exists() && !angle[k_aspecular].exists()) lacks(2);
         if (angle[1].exists() && !angle[3].exists() && !columns.both) lacks(3);
     }
-    /// Assigns the only kind of values, or that of the first quantity where others have the same values in another one.
+    /// Assigns the only kind of values, or the first quantity if others state the same values as another quantity.
     /// Errors: there is none, or two of one quantity; a unit that is not known.
     void assign_values() {
         struct Kind {

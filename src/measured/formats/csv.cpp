@@ -294,7 +294,7 @@ Directions directions_in(NumberRow& row, const Columns& columns) {
     return {wl, wv};
 }
 
-/// The samples of a file: those of each part, in its frame, of a two-sided file, otherwise those of the first part.
+/// The samples of a file. A two-sided file has samples of each part, in its frame; others have one part, the first.
 struct CollectedSamples {
     std::array<std::optional<SampleBuilder>, k_parts> part;
     std::vector<SpectralRow> rows;  ///< rows of a table with a row for each wavelength, which has no `part`

@@ -203,8 +203,8 @@ struct GgxVariables {
     }
 };
 
-/// The share of pairs in the loss, for the model that is solved for pairs; about that of the default fit. Without pairs
-/// the RMS of radiance is up to twice as large.
+/// The loss of the pairs relative to the loss of the pixels, at the model that is solved for pairs; about the same as in
+/// the default fit. Without pairs the RMS of radiance is up to twice as large.
 constexpr double k_pair_share = 0.3;
 
 /// The model with the least loss of pixels and pairs, starting from `solved`, the best model by pairs, and from the best

@@ -100,7 +100,7 @@ class ParameterReader {
 };
 
 /// An error if a coefficient of the model, or a reflectance of its facets, is above the largest 16-bit float, 65504,
-/// which `write_model` stores instead. `source` is that of the error.
+/// which `write_model` stores instead. `source` becomes `Error::source`.
 Result<Done> check_range(const Model& model, const std::string& source);
 
 SRBF_END

@@ -40,7 +40,7 @@ double scatter_integral(const ScatterTable& table, const ScatterTable::Slice& sl
 /// the nodes.
 Rgb signed_value(const ScatterTable& table, Vec3f wl, Vec3f wv);
 bool is_isotropic(const ScatterTable& table);
-/// The table as that of a measurement (measured.h); `own_table` returns the original.
+/// The table for `Measured::table` (measured.h); `own_table` returns the original.
 EvaluatedTable evaluated(ScatterTable table);
 
 /// Reads Zemax' text of BSDFs: PlaneSymmetrical, Asymmetrical or Asymmetrical4D; Monochrome or XYZ; BRDF or BTDF.

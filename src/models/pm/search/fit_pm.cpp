@@ -99,7 +99,7 @@ Work planned_work(const Observations& observations, const PmFitOptions& options)
 /// The fit of one material. Runs on the threads of the caller's `on_threads`.
 class Fit {
   public:
-    /// The candidates are those of the options' starts, or the lobes of `begin`.
+    /// Makes a candidate for each start of the options, or one with the lobes of `begin`.
     Fit(const Observations& observations, const PmFitOptions& options, const PmModel* begin, Reporter& reporter)
         : observations_(observations), options_(options), reporter_(reporter), begins_from_model_(begin) {
         candidates_.resize(begin ? 1 : std::size_t(starts_of(options)));

@@ -19,7 +19,7 @@ bool are_equal_columns(const Eigen::MatrixXd& x) { return (x.colwise() - x.col(0
 void Coefficients::fit(const Eigen::MatrixXd& products, const PixelTerm* pixels) {
     const Eigen::Index J = limit.rows(), C = limit.cols();
     gram = products.topLeftCorner(J, J);
-    // With pixels, the coefficients of the last call are a better start than those of the pairs alone.
+    // With pixels, the coefficients of the last call are a better start than the coefficients for the pairs alone.
     if (!pixels || beta.rows() != J || beta.cols() != C) {
         beta.resize(J, C);
         for (Eigen::Index c = 0; c < C; ++c)

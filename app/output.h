@@ -54,7 +54,7 @@ bool is_report_of(const Json& report, const std::string& model_file);
 /// is the same file as another output. Empty names are ignored. Call it before long computations; the write itself
 /// may still fail.
 Result<Done> check_outputs(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
-/// Makes a folder to write into, unless it exists. Errors: it cannot be made or written.
+/// Makes a folder to write into, unless it exists. Returns an error if it cannot be made or written.
 Result<Done> make_folder(const std::string& path);
 /// Returns an error if standard output has not accepted everything that was printed (disk full).
 Result<Done> flush_standard_output();

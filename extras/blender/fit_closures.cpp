@@ -32,8 +32,8 @@ struct Layout {
     double theta(std::size_t knot) const { return k_pi / 2 * double(knot) / double(knots - 1); }
 };
 
-/// The loss of a sum of closures: the mean over pixels of 2 k² (√(ΔE_ITP² / k² + 1) − 1), and squared second differences
-/// between knots.
+/// The loss of a sum of closures: the mean over pixels of 2 k² (√(ΔE_ITP² / k² + 1) − 1), and squared second
+/// differences between knots.
 class ClosureProblem {
   public:
     /// `progress` hears of each of `linearisations`, their largest number.
@@ -435,9 +435,9 @@ Eigen::VectorXd with_term(const std::vector<MatchedView>& views, Layout before, 
 
 constexpr int k_albedo_points_of_closures = 1024;
 
-/// Scales the weights of knots by factors s ≤ 1, near to 1, so that no albedo is above 1, at the knots and between them.
-/// At an angle between knots i and i + 1 the albedo is a s_i + b s_{i+1}: while it is above 1, (s_i, s_{i+1}) moves to
-/// the nearest point at which it is 1.
+/// Scales the weights of knots by factors s ≤ 1, near to 1, so that no albedo is above 1, at the knots and between
+/// them. At an angle between knots i and i + 1 the albedo is a s_i + b s_{i+1}: while it is above 1, (s_i, s_{i+1})
+/// moves to the nearest point at which it is 1.
 void limit_albedos(ClosureSum& sum, int threads) {
     constexpr std::size_t k_between = 4;
     constexpr double k_last_angle = 89.8 * k_degree, k_within = 1e-3;

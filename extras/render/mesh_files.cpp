@@ -41,8 +41,8 @@ double signed_volume(const Mesh& mesh) {
 }
 
 /// Completes a mesh with unit normals: its own where they exist, otherwise from its triangles. A surface without
-/// normals may be inside out: its orientation is inverted if it encloses a negative volume. Errors: no triangles;
-/// coordinates or an extent beyond the limits in mesh.h.
+/// normals may be inside out: its orientation is inverted if it encloses a negative volume. Returns an error if there
+/// are no triangles, or if coordinates or the extent are beyond the limits in mesh.h.
 Result<Mesh> complete_mesh(Mesh mesh, const std::string& file_name) {
     if (mesh.triangles.empty()) return Error{file_name, {}, "faces of the mesh", "one at least", "none"};
     const auto& [least, most] = bounds(mesh);

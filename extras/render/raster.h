@@ -58,7 +58,7 @@ class RasterMesh {
 /// Position and normal of the visible surface at each pixel: the first of two passes.
 class RasterSurface {
   public:
-    /// Errors: larger than the library's framebuffers; float formats that cannot be rendered to.
+    /// Returns an error if it is larger than OpenGL's framebuffers, or if float formats cannot be rendered to.
     static Result<RasterSurface> make(Dialect dialect, int width, int height);
     /// Draws the mesh into this surface's framebuffer, which stays bound.
     void draw(const RasterMesh& mesh, const RasterView& view) const;
@@ -79,7 +79,7 @@ class RasterSurface {
 /// A material in the graphics library: a program and its numbers.
 class RasterMaterial {
   public:
-    /// Errors: a model larger than the library's buffers or textures; a text that the library's compiler rejects.
+    /// Returns an error if the model is larger than OpenGL's buffers or textures, or if its compiler rejects the text.
     static Result<RasterMaterial> make(const Material& material, const ShaderOptions& options);
 
     /// Draws the mesh into the current framebuffer with its current viewport. Requires PixelInput::triangles.
@@ -117,8 +117,8 @@ class RasterTarget {
   public:
     /// Pixel formats: 8 bits per channel, or floats (32 bits; 16 if multisampling requires it).
     enum class Format { bytes, floats };
-    /// `samples` per pixel, or as many as are supported. Errors: larger than the library's framebuffers; float
-    /// formats that cannot be rendered to.
+    /// A target of `samples` per pixel, or as many as OpenGL supports. Returns an error if it is larger than OpenGL's
+    /// framebuffers, or if float formats cannot be rendered to.
     static Result<RasterTarget> make(int width, int height, int samples, Format format);
     /// For the second pass over `surface`, with the same size and depths, one sample per pixel and bytes. Must not
     /// outlive it.
@@ -140,8 +140,8 @@ class RasterTarget {
     GlObject resolved_colour_, resolved_;  ///< the averages of several samples per pixel
 };
 
-/// Pictures of the scene with each material: linear radiance and coverage, as from other renderers. Errors: as
-/// above.
+/// Pictures of the scene with each material: linear radiance and coverage, as from other renderers. Returns an error as
+/// `RasterTarget::make` and `RasterMaterial::make` do.
 Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Material> materials, int width, int height,
                                          int samples = 4);
 

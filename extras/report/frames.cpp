@@ -69,8 +69,8 @@ template <typename Draw> FrameTime time_frame(const Draw& draw, bool on_cpu) {
     return {1e-6 * double(nanoseconds), wall, cpu};
 }
 
-/// The cost of drawing with a material: the minimum over all frames, separately for each clock, and the size of the data
-/// that a pixel looks up.
+/// The cost of drawing with a material: the minimum over all frames, separately for each clock, and the size of the
+/// data that a pixel looks up.
 struct FrameCost {
     FrameTime least;
     std::size_t data_bytes, auxiliary_bytes;

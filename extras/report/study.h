@@ -42,11 +42,12 @@ struct Study {
 Result<std::string> study_name(const std::string& file, const StudyOptions& options);
 /// The study in a folder; none if it is missing or incomplete.
 std::optional<Study> load_study(const std::string& folder);
-/// Makes a study: fits, draws and writes. `progress` receives the stage and the completed fraction. Errors: the
-/// file cannot be read; no fit succeeded; the folder cannot be written.
+/// Makes a study: fits, draws and writes. `progress` receives the stage and the completed fraction. Returns an error if
+/// the file cannot be read, no fit succeeded, or the folder cannot be written.
 Result<Study> make_study(const std::string& file, const std::string& folder, const StudyOptions& options,
                          const std::function<void(const std::string&, double)>& progress);
-/// Measures frames per second of the fitted models and writes frames.json. Errors: the renderer is not available.
+/// Measures frames per second of the fitted models and writes frames.json. Returns an error if the renderer is not
+/// available.
 Result<Done> time_study(Study& study, const StudyOptions& options);
 
 }  // namespace srbf

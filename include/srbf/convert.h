@@ -46,17 +46,17 @@ MbsdfTable to_mbsdf(const Evaluate& brdf, const MbsdfOptions& options = {});
 /// `brdf` at all pairs of n directions of the Fibonacci set on the cap θ ≤ θmax [rad], without the pairs that were not
 /// measured.
 ScatteredSamples to_samples(const Evaluate& brdf, bool isotropic, int n, double theta_max);
-/// Samples f at pairs of unit vectors, without those that have no value: not finite, below the horizon, or with a number
-/// such as −999 (`notes`). It builds no index (`make_index`).
+/// Samples f at pairs of unit vectors, without those that have no value: not finite, below the horizon, or with a
+/// number such as −999 (`notes`). It builds no index (`make_index`).
 ScatteredSamples valid_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
                                bool isotropic);
 
 /// The bytes of a MERL `.binary`. Cells without a measurement are −1. Reading them gives `table`.
 std::vector<std::byte> write_merl(const MerlTable& table);
 /// The bytes of an RGL `.bsdf` of an isotropic table with `jacobian`. It holds `rgb` and `luminance`, and for renderers
-/// that read only spectra also `spectra` at `wavelengths`, whose colours are these (`reflectance_spectrum`). Of a spectral
-/// table it holds the table's own spectra in place of `rgb`. Reading it gives `table` up to rounding. Without `spectra`
-/// it holds the colours alone, for renderers that would take the file for spectral.
+/// that read only spectra also `spectra` at `wavelengths`, whose colours are these (`reflectance_spectrum`). Of a
+/// spectral table it holds the table's own spectra in place of `rgb`. Reading it gives `table` up to rounding. Without
+/// `spectra` it holds the colours alone, for renderers that would take the file for spectral.
 std::vector<std::byte> write_rgl(const RglTable& table, bool spectra = true);
 /// The bytes of an MBSDF file, version 1, with a block of reflection. Control characters in values of the metadata,
 /// other than line ends, become blanks. Reading it gives `table`. With

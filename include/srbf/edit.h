@@ -75,14 +75,15 @@ struct EditOptions {
 /// Applies the edits in their order. Refits minimise the objective appearance (metrics.h) against the edited model's
 /// own function. A directional albedo stays at most 1, or the model's largest: where an edit exceeds it, lobes are
 /// lowered, and "limited" of the provenance says how far it went. A reciprocal model stays reciprocal. The provenance
-/// keeps where the model comes from, gets "edits", and loses the errors of the measurement. Errors: not a multivariate
-/// model; of colours and refits, a spectral model; a number out of range; cancelled.
+/// keeps where the model comes from, gets "edits", and loses the errors of the measurement. Returns an error if the
+/// model is not multivariate, if edits of colours or refits get a spectral model, if a number is out of range, or if it
+/// is cancelled.
 Result<Model> edited(const Model& model, std::span<const Edit> edits, const EditOptions& options = {});
 
 /// (1 − mix) a + mix b, with the lobes and variates of both: an exact sum, before coefficients are rounded. Models of
 /// different forms become one of the form that has all their terms; a reciprocal model beside one that is not becomes
-/// twice as many lobes and variates. Errors: mix outside 0..1; not two multivariate models; spectra at other
-/// wavelengths; more than 8 variates or 1024 lobes together.
+/// twice as many lobes and variates. Returns an error if mix is outside 0..1, if the models are not both multivariate
+/// or have spectra at different wavelengths, or if they have more than 8 variates or 1024 lobes together.
 Result<Model> blended(const Model& a, const Model& b, double mix);
 
 SRBF_END

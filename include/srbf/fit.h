@@ -97,8 +97,8 @@ struct FitOutcome {
     std::uint64_t masked = 0;        ///< number of evaluated pairs where nothing was measured
     std::uint64_t clamped = 0;       ///< number of negative channel values among them; set to 0 unless they are noise
     double largest_albedo = 1;  ///< largest albedo of the observations in a channel, at views up to 80°; at least 1
-    /// The noise of a table. If more than 30 % of pairs are negative (`Noise::negative`), the fit keeps negative values,
-    /// as noise about a mean.
+    /// The noise of a table. If more than 30 % of pairs are negative (`Noise::negative`), the fit keeps negative
+    /// values, as noise about a mean.
     std::optional<Noise> noise;
     /// The bytes of the data as 32-bit floats: at all pairs of 1536 directions (SU: of the sampled ones), or at the
     /// samples.
@@ -123,8 +123,8 @@ struct FitOutcome {
     std::optional<Appearance> against_smoothed;
 };
 
-/// Fits one BRDF repeatedly. It keeps the observations, so that later fits start at once. Not thread-safe. Errors of
-/// all members: those of the stages, and `cancelled`.
+/// Fits one BRDF repeatedly. It keeps the observations, so that later fits start at once. Not thread-safe. All members
+/// return the errors of the stages of a fit, and one with the code `cancelled`.
 class Fitter {
   public:
     /// Keeps a reference to `measured`, which must outlive it.
@@ -137,7 +137,7 @@ class Fitter {
     Fitter& operator=(Fitter&&) noexcept;
     ~Fitter();
 
-    /// Fits the requested model. For scattered samples this also measures the errors. Errors: a two-sided
+    /// Fits the requested model. For scattered samples this also measures the errors. Returns an error for a two-sided
     /// measurement; `measure` takes its front reflection.
     Result<FitOutcome> fit(const FitRequest& request, const ProgressToken& progress = {});
     /// A first multivariate model. For a table a search of a few tens of milliseconds finds it. For samples it is the
@@ -152,13 +152,13 @@ class Fitter {
 };
 
 /// Fits a measurement and measures the errors of the model: everything that `srbf fit` does between reading and
-/// writing. Errors: a two-sided measurement, which `fit_bsdf` fits.
+/// writing. Returns an error for a two-sided measurement, which `fit_bsdf` fits.
 Result<FitOutcome> fit(const Measured& measured, const FitRequest& request, const ProgressToken& progress = {});
 /// Fits a BRDF as a function.
 Result<FitOutcome> fit(Evaluate f, const FitRequest& request, const ProgressToken& progress = {});
 
 /// A noisy table smoothed to its noise, as fits see it (docs/notes/noise.md). Keeps a reference to `measured`, which
-/// must be isotropic. Errors: not a table of one BRDF; it is not noisy; cancelled.
+/// must be isotropic. Returns an error if it is not a table of one BRDF or not noisy, or if it is cancelled.
 Result<Evaluate> smoothed_to_noise(const Measured& measured, int threads = 0, const ProgressToken& progress = {});
 
 /// Light that leaves a surface for a direction of the incident light.
@@ -191,7 +191,7 @@ struct BsdfOutcome {
 
 /// Fits the parts of a two-sided measurement: those that are like their counterparts, with a squared error ratio of at
 /// most 1e-4, only once. A part is fitted like the measurement of a BRDF; patches are fitted to their sums. Beams are
-/// kept as they are. Errors: those of `fit`; a measurement of one side.
+/// kept as they are. Returns an error if `fit` does, and for a measurement of one side.
 Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request, const ProgressToken& progress = {});
 
 /// Fits a BSDF that is given as functions in the parts' frames, none for those that are 0.

@@ -11,9 +11,9 @@
 SRBF_BEGIN
 
 /// Refers to a T, which is destroyed with the last of the copies, or to none by default: a std::shared_ptr<const T> for
-/// headers that are compiled often, since <memory> takes longer than they do. The type T counts: it is made with one use,
-/// and `add_use(const T&)` and `end_use(const T&)`, which any thread may call, count and destroy it. A move is a copy, so
-/// that a `Shared` that was moved from still refers to its T.
+/// headers that are compiled often, since <memory> takes longer than they do. The type T counts: it is made with one
+/// use, and `add_use(const T&)` and `end_use(const T&)`, which any thread may call, count and destroy it. A move is a
+/// copy, so that a `Shared` that was moved from still refers to its T.
 template <typename T> class Shared {
   public:
     Shared() = default;

@@ -174,8 +174,8 @@ std::vector<std::string> notes(const Measured& measured);
 /// where nothing was measured, and otherwise finite. A channel is negative where a saturated colour lies outside of the
 /// gamut.
 /// Tables are interpolated linearly. MERL's tables use the measured ones of eight nodes. UTIA's (extrapolated beyond
-/// 75°) and MBSDF's have no value if one of the nodes was not measured. Along the normal, where tables other than MERL's
-/// need an azimuth that the pair lacks, it is the mean over azimuths.
+/// 75°) and MBSDF's have no value if one of the nodes was not measured. Along the normal, where tables other than
+/// MERL's need an azimuth that the pair lacks, it is the mean over azimuths.
 Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv);
 
 /// `signed_value` of a table or a measurement, with negative channels set to 0.
@@ -196,7 +196,7 @@ std::span<const float> wavelengths(const Measured& measured);
 Channels spectra(const Measured& measured);
 Channels spectra(const Measured&&) = delete;
 
-/// Chooses the band with that name, whatever the case of its letters. Errors: it has no such band.
+/// Chooses the band with that name, whatever the case of its letters. Returns an error if there is no such band.
 Result<Done> choose_band(Measured& measured, std::string_view name);
 
 /// The quantity of the values of samples.
@@ -219,8 +219,8 @@ struct ReadOptions {
     bool any() const { return !columns.empty() || quantity != Quantity::stated || floor > 0; }
 };
 
-/// Reads a measurement of any known format, recognised by its content. Errors: those of the formats; `wrong_kind`: a
-/// fitted model; samples that are stated by `options` and are none.
+/// Reads a measurement of any known format, recognised by its content. Returns an error if the format's reader does or
+/// if `options` are for samples and the file has none; the code is `wrong_kind` for a fitted model.
 Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& file_name,
                                const ReadOptions& options = {});
 Result<Measured> load_measured(const std::string& path, const ReadOptions& options = {});

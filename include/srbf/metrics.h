@@ -65,8 +65,8 @@ struct Comparison {
     /// Largest relative error |Â/A − 1| of the luminance of the albedo at 0, 30, 60 and 75° within θmax.
     double albedo_error = 0;
     Appearance appearance = {};
-    /// For fits to scattered samples, where `appearance` is against samples with gaps filled: the mean of the fits to all
-    /// folds but one, against the same. Where it is much larger, the samples do not determine the pictures.
+    /// For fits to scattered samples, where `appearance` is against samples with gaps filled: the mean of the fits to
+    /// all folds but one, against the same. Where it is much larger, the samples do not determine the pictures.
     std::optional<Appearance> heldout_appearance = {};
     /// For fits to scattered samples: ΔE_ITP of a picture with a pixel for each sample, f cosθl in directional light.
     double samples_delta_e = 0;
@@ -90,7 +90,8 @@ enum class Objective {
     /// Errors of pictures: Σ (⁶√(f cosθl + s) − ⁶√(f̂ cosθl + s))² cosθv, s = k_dark_share times the upper
     /// quartile q of f cosθl; as much of Σ (∛(f cosθl + q) − ∛(f̂ cosθl + q))² √cosθv and 0.03 of cosine's sum, each
     /// scaled to Σ w |f|² = 1; and for a multivariate model ΔE_ITP of pictures of a sphere. The eye's response to a
-    /// display is about the sixth root of its luminance (the exponent 0.159 of the perceptual quantiser, ITU-R BT.2100).
+    /// display is about the sixth root of its luminance (the exponent 0.159 of the perceptual quantiser, ITU-R
+    /// BT.2100).
     appearance,
 };
 inline constexpr Objective k_default_objective = Objective::appearance;

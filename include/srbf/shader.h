@@ -56,13 +56,14 @@ std::string version_text(Dialect dialect);
 /// kernel.glsl requires, kernel.glsl, and the material's own part. It is the same in every dialect. The numbers of the
 /// material are uniforms: for a multivariate model the block `PmNumbers` (`pm_numbers`); for a view-by-view model the
 /// samplers `su_numbers` and `su_directions` (`su_texels`), and `su_index`; for a table the sampler `merl_table`
-/// (`merl_texels`); for models of few numbers a uniform (`uniform_of`). Materials with the same text differ only in these.
-/// The text includes which centres of axial lobes are −z. A BSDF's model is in the text, with its numbers as constants.
+/// (`merl_texels`); for models of few numbers a uniform (`uniform_of`). Materials with the same text differ only in
+/// these. The text includes which centres of axial lobes are −z. A BSDF's model is in the text, with its numbers as
+/// constants.
 ///
-/// If the host writes a line `#define PM_EDITED` before the text of a multivariate model, its functions evaluate only one
-/// part of it: the highlight if the uniform int edited_part is 0, the body if it is 1. Further uniforms are float
-/// edited_shares[], the `body_shares` of edit.h, and vec2 edited_roughness, the factor of the highlight's roughness and its
-/// own α. Pictures of tints and saturations are linear combinations of the pictures of both parts.
+/// If the host writes a line `#define PM_EDITED` before the text of a multivariate model, its functions evaluate only
+/// one part of it: the highlight if the uniform int edited_part is 0, the body if it is 1. Further uniforms are float
+/// edited_shares[], the `body_shares` of edit.h, and vec2 edited_roughness, the factor of the highlight's roughness and
+/// its own α. Pictures of tints and saturations are linear combinations of the pictures of both parts.
 std::string brdf_text(const Material& material);
 
 /// The text, to follow `brdf_text`, that defines
@@ -72,7 +73,8 @@ std::string brdf_text(const Material& material);
 /// Its numbers are the uniforms `mixture_numbers` and `mixture_grain` (`ProposalNumbers`). With `parts` mixtures the
 /// global `int mixture_part` chooses the one that is meant; directions are in the frame of that part.
 std::string proposal_text(int parts = 1);
-/// The densities that the light is drawn from: of a BRDF one mixture, of a BSDF one for each part, in the order of `Part`.
+/// The densities that the light is drawn from: of a BRDF one mixture, of a BSDF one for each part, in the order of
+/// `Part`.
 struct Proposals {
     std::vector<MixtureProposal> of_part;
     Proposals(const MixtureProposal& of_brdf) : of_part{of_brdf} {}

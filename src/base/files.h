@@ -22,8 +22,8 @@ template <typename IsKnown> MostBytes all_if(const IsKnown& is_known) {
 }
 
 /// The bytes of the file at `path`; of one that is larger than `most` allows, the beginning alone, so that input of no
-/// known format is not read to its end. Errors: the file is missing, a folder, unreadable, or larger than
-/// `k_largest_file`; there is not enough memory for it.
+/// known format is not read to its end. Returns an error if the file is missing, a folder, unreadable, larger than
+/// `k_largest_file` or too large for the memory.
 Result<std::vector<std::byte>> read_file(const std::string& path, const MostBytes& most);
 
 /// The error where memory runs out.
@@ -76,14 +76,14 @@ class Descriptor {
 
 class FileReader {
   public:
-    /// Errors: those of `read_file`.
+    /// Returns an error if `read_file` would.
     static Result<FileReader> open(const std::string& path);
 
     const std::string& path() const { return path_; }
     /// Fills `bytes` with the next bytes of the file, fewer at its end; returns their number.
     Result<std::size_t> read(std::span<std::byte> bytes);
-    /// Fills `bytes` with those from `offset` on, fewer at the end of the file, and returns their number. The next bytes
-    /// of the other `read` stay the same.
+    /// Fills `bytes` with those from `offset` on, fewer at the end of the file, and returns their number. The next
+    /// bytes of the other `read` stay the same.
     Result<std::size_t> read(std::uint64_t offset, std::span<std::byte> bytes) const;
 
   private:
@@ -94,8 +94,8 @@ class FileReader {
 
 /// The next bytes of a file's content; none at its end.
 using NextBytes = std::function<Result<std::vector<std::byte>>()>;
-/// `write_file` of content that is made while it is written. Errors: also those of `next`, after which `path` holds its
-/// previous content.
+/// `write_file` of content that is made while it is written. Also returns an error if `next` does; then `path` holds
+/// its previous content.
 Result<Done> write_file(const std::string& path, const NextBytes& next);
 
 /// The lines of a file, as those of `Lines`. Only a block of the file is in memory; a longer line is an error.

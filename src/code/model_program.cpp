@@ -265,7 +265,8 @@ std::string look_up_text(const PmModel& basis) {
         basis.lobes);
 }
 
-/// Declarations that the formulas of a model read, and these formulas. `Pm` is the handle of coefficients that are arguments.
+/// Declarations that the formulas of a model read, and these formulas. `Pm` is the handle of coefficients that are
+/// arguments.
 struct ModelText {
     std::string brdf, accessors = {}, kernel = {};
     int variates = 1, terms = 1;

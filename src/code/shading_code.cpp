@@ -191,7 +191,7 @@ Result<std::string> map_code(const TexelMap& map, std::string_view name, const C
 
 namespace {
 
-/// The functions of all extras that the options name. Errors: no extra has one of them.
+/// The functions of all extras that the options name. Returns an error if no extra has one of them.
 Result<AddedCode> added_code(const CodeOptions& options) {
     AddedCode all;
     for (const auto extra : k_extra_code) {

@@ -67,8 +67,8 @@ struct Table {
     std::string comment, name;
     std::vector<float> numbers;
     std::size_t columns = 8;  ///< numbers in a printed line
-    /// For each of a model's numbers, the name of its parameter (models/kind/parameters.h), which follows a minus if the
-    /// number is negated, and the index. The name is empty if the number depends on several parameters.
+    /// For each of a model's numbers, the name of its parameter (models/kind/parameters.h), which follows a minus if
+    /// the number is negated, and the index. The name is empty if the number depends on several parameters.
     std::vector<std::pair<std::string, std::size_t>> sources = {};
 
     void add(float x, std::string_view parameter, std::size_t index) {

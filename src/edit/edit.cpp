@@ -82,8 +82,8 @@ struct Editor {
         if (of.factor == 1) return model;
         return fit(roughened(separated(model), of.factor), model, of.factor, model.lobes);
     }
-    /// The tint, with what it raises of highlight and body only as bright as the limit allows up to 75° from the normal:
-    /// were single lobes lowered instead, the hue would change.
+    /// The tint, with what it raises of highlight and body only as bright as the limit allows up to 75° from the
+    /// normal: were single lobes lowered instead, the hue would change.
     Tint within_limit(const PmModel& model, const Tint& wanted) const {
         if (largest_of(wanted.highlight) <= 1 && largest_of(wanted.body) <= 1) return wanted;
         const HighlightAndBody parts = separated(model);
@@ -140,7 +140,8 @@ Result<const PmModel*> require_pm(const Model& model) {
 /// True if the edit needs colours, which a spectral model does not have of its own.
 bool is_of_colours(const Edit& edit) { return !std::holds_alternative<Rotate>(edit); }
 
-/// The model in 16-bit floats. Errors: a coefficient is too large for them, or so small that its lobe becomes black.
+/// The model in 16-bit floats. Returns an error if a coefficient is too large for them, or so small that its lobe
+/// becomes black.
 Result<PmModel> in_halves(const PmModel& model, const char* where) {
     PmModel stored = rounded(model);
     for (std::size_t j = 0; j < stored.coefficient.size(); ++j)

@@ -37,9 +37,9 @@ Evaluate roughened(Evaluate highlight, double factor, double roughness);
 /// The surface `base` under a coat, see `Coat`.
 Evaluate coated(Evaluate base, const Coat& coat);
 
-/// Fits `lobes` lobes to f. It begins with the best of the models `begin`, at least one, all of one form and parameterization:
-/// without the least useful lobes if it has more, and with the best of many random ones if it has fewer. The albedo is at
-/// most `albedo_limit`. Errors: those of `observe` and `fit_pm`.
+/// Fits `lobes` lobes to f. It begins with the best of the models `begin`, at least one, all of one form and
+/// parameterization: without the least useful lobes if it has more, and with the best of many random ones if it has
+/// fewer. The albedo is at most `albedo_limit`. Returns an error if `observe` or `fit_pm` does.
 Result<PmModel> refit(const Evaluate& f, std::span<const PmModel> begin, int lobes, double albedo_limit,
                       const EditOptions& options);
 

@@ -35,8 +35,8 @@ inline constexpr std::array<PictureErrorName, 4> k_picture_errors{{
     {"rms", "RMS of radiance", &PictureErrors::rms},
 }};
 
-/// The errors by which a fit is judged. Pictures of a fit to samples are compared with its own completion of them: it is
-/// judged by the worse of these and of those in cross-validation, and by ΔE_ITP at the samples if that is larger.
+/// The errors by which a fit is judged. Pictures of a fit to samples are compared with its own completion of them: it
+/// is judged by the worse of these and of those in cross-validation, and by ΔE_ITP at the samples if that is larger.
 Appearance judged(const Comparison& of);
 /// "hardly visible: ΔE_ITP 0.346 in the mean of eight lights, 0.41 under the worst". Of a fit to samples it has two
 /// sentences, with errors of the fit and of cross-validation; the second says where they differ by a factor of two.

@@ -234,7 +234,7 @@ Result<Done> check_reads(Text name, Text model, const Spelling& spelled) {
                              fmt::join(models, " or "), model));
 }
 
-/// Errors: options that exclude each other.
+/// Returns an error if two options exclude each other.
 Result<Done> check_together(const FitRequest& request, const FitTexts& texts, const Spelling& spelled) {
     if (request.spectral && !std::holds_alternative<PmRequest>(request.model))
         return wrong(fmt::format("{}: spectral only with {} pm", spelled("channels"), spelled("model")));

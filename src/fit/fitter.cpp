@@ -248,7 +248,8 @@ struct Fitter::State {
         if (!made) return made.error();
         return &sample_observations_.emplace(key(request), *std::move(made)).first->second;
     }
-    /// Determines the noise of the table, and smooths it if it is noisy. Returns the token for the rest of the progress.
+    /// Determines the noise of the table, and smooths it if it is noisy. Returns the token for the rest of the
+    /// progress.
     Result<ProgressToken> smooth(const FitRequest& request, const ProgressToken& progress) {
         if (!noise_) noise_ = noise_of(signed_);
         if (!is_noisy(*noise_) || smoothed_) return progress;

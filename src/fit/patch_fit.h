@@ -17,8 +17,8 @@ struct PatchFit {
     /// Directional-hemispherical sums of the table, and of a function with the part's beam.
     std::vector<Hemispherical> (*hemispherical)(const Measured& of, const Evaluate& f, const Beams& beams, Part part);
 };
-/// Ends beams of reflections at 90°, where they have the light that `parts` do not scatter at the last ring. A beam that
-/// ends there, or in 0, stays.
+/// Ends beams of reflections at 90°, where they have the light that `parts` do not scatter at the last ring. A beam
+/// that ends there, or in 0, stays.
 void end_mirrors(Beams& beams, const std::array<Evaluate, k_parts>& parts);
 /// How a part is fitted; null: to its values, as the measurement of a BRDF.
 const PatchFit* patch_fit_of(const Measured& part);

@@ -70,7 +70,7 @@ std::span<const Format> formats();
 const Format* format_of(std::span<const std::byte> bytes);
 /// The format with a writer whose extension the path ends in, the longest one of several; null if there is none.
 const Format* format_written_to(std::string_view path);
-/// Reads a file of a known format. Errors: those of the format.
+/// Reads a file of a known format. Returns an error if the format's reader does.
 Result<Measured> read_as(const Format& format, std::span<const std::byte> bytes, const std::string& file_name,
                          const ReadOptions& options = {});
 /// The largest size of a file that begins with `head` in any format.

@@ -59,7 +59,8 @@ namespace {
 
 bool is_normal(Vec3f w) { return w.x == 0 && w.y == 0; }
 
-/// True if look-up may need the azimuth of a direction along the normal, which has none. RGL's needs the light's azimuth.
+/// True if look-up may need the azimuth of a direction along the normal, which has none. RGL's needs the light's
+/// azimuth.
 bool lacks_azimuth(const Measured& measured, Vec3f wl, Vec3f wv) {
     return (is_normal(wl) || (!std::holds_alternative<RglTable>(measured.table) && is_normal(wv))) &&
            !std::holds_alternative<ScatteredSamples>(measured.table);

@@ -37,8 +37,8 @@ class SampleBuilder {
     void add(Vec3d wl, Vec3d wv, std::span<const float> f, float weight = 1);
     bool empty() const { return samples_.wl.empty(); }
     /// Returns the samples, without an index. Masks numbers that stand for no value (`mask_missing`), with a note.
-    /// Errors: no samples are left; there were too many.
-    /// `isotropic`: the file says so; otherwise `change_by_azimuth` decides.
+    /// Returns an error if no samples are left, or if there were too many. `isotropic`: true if the file says so;
+    /// otherwise `change_by_azimuth` decides.
     Result<ScatteredSamples> finish(const std::string& file_name, std::string description, bool isotropic = false) &&;
 
   private:
@@ -139,7 +139,7 @@ template <typename T> std::optional<T> number_in(std::string_view field) {
 class NumberRow {
   public:
     NumberRow(std::size_t columns, const std::string& file_name) : columns_(columns), file_name_(file_name) {}
-    /// Splits a line into fields (`split_row`). Error: their number is not that of the columns.
+    /// Splits a line into fields (`split_row`). It is an error if their number is not the number of columns.
     void read(std::string_view text, std::uint64_t line, char separator = ',') {
         line_ = line;
         split_row(text, separator, fields_);
@@ -196,8 +196,8 @@ bool has_colours(std::span<const float> wavelengths);
 
 /// True if the first kilobytes of `bytes` are text.
 bool is_text(std::span<const std::byte> bytes);
-/// Text in UTF-16 with a byte-order mark, or with lines ended by CR alone, as UTF-8 with lines ended by LF. No value for
-/// any other bytes.
+/// Text in UTF-16 with a byte-order mark, or with lines ended by CR alone, as UTF-8 with lines ended by LF. No value
+/// for any other bytes.
 std::optional<std::string> plain_text(std::span<const std::byte> bytes);
 
 /// θ_l, φ_l, θ_v, φ_v [rad], wavelength [nm], f [1/sr], weight. f is NaN where nothing was measured.
@@ -205,8 +205,8 @@ using SpectralRow = std::array<float, 7>;
 inline constexpr std::size_t k_wavelength_column = 4, k_value_column = 5, k_weight_column = 6;
 
 /// Groups rows into pairs of directions with their spectra. Rows that differ only in the value, such as
-/// polarizations, are averaged. Pairs that lack a wavelength are masked. Sorts `rows`. Errors: wavelengths out of
-/// range; no samples.
+/// polarizations, are averaged. Pairs that lack a wavelength are masked. Sorts `rows`. Returns an error if wavelengths
+/// are out of range, or if there are no samples.
 Result<ScatteredSamples> samples_of_rows(std::vector<SpectralRow>& rows, std::size_t bytes,
                                          const std::string& file_name, std::string description, bool isotropic = false);
 

@@ -101,8 +101,8 @@ class SampleIndex {
 
 namespace {
 
-/// Removes coincident points beyond the number that a search returns, since searches among very many are as slow as in a
-/// list. Returns the indices of the others.
+/// Removes coincident points beyond the number that a search returns, since searches among very many are as slow as in
+/// a list. Returns the indices of the others.
 std::vector<std::uint32_t> keep_few_coincident(Points& points) {
     auto& coordinates = points.coordinates;
     std::vector<std::uint32_t> order(coordinates.size()), kept;

@@ -43,7 +43,8 @@ Safetensors content_of(const Model& model) {
         model.model);
 }
 
-/// An error if a number is not stored within a half of itself: beyond the range of 16-bit floats, or too small for them.
+/// An error if a number is not stored within a half of itself: beyond the range of 16-bit floats, or too small for
+/// them.
 std::optional<Error> lost_number(const Parameters& given, const Parameters& stored) {
     for (std::size_t i = 0; i < given.size(); ++i) {
         const auto *from = std::get_if<NumberArray>(&given[i].value), *to = std::get_if<NumberArray>(&stored[i].value);

@@ -9,8 +9,8 @@ SRBF_BEGIN
 /// The metadata `srbf` of all files, and `model` of maps and of the texels with lobes of their own of version 0.1.
 inline constexpr std::string_view k_file_version = "1", k_map_kind = "pm-basis", k_stack_kind = "pm-stack";
 
-/// An error if a coefficient of the model, or a reflectance of its facets, is above the largest 16-bit float, 65504,
-/// which `write_model` stores instead. `source` becomes `Error::source`.
+/// Returns an error if a coefficient of the model, or a reflectance of its facets, is above the largest 16-bit float,
+/// 65504, which `write_model` stores instead. `source` becomes `Error::source`.
 Result<Done> check_range(const Model& model, const std::string& source);
 
 /// The error where a model is expected, of a file that is a map.

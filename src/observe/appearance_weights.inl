@@ -1,6 +1,6 @@
 // The weights of objective appearance, one text for numbers and for vectors of the processor, which each instruction
-// set compiles again. A host defines SRBF_FN, and for its `Real` the functions max, sqrt and pow(Real, double); it includes
-// srbf/elementary.h and srbf/metrics.h.
+// set compiles again. A host defines SRBF_FN, and for its `Real` the functions max, sqrt and pow(Real, double); it
+// includes srbf/elementary.h and srbf/metrics.h.
 
 /// The value that appears bright on a display exposed for a picture is this quantile of f cosθl, weighted by cosθv.
 constexpr double k_bright_quantile = 0.75;

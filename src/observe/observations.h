@@ -132,8 +132,8 @@ double largest_square(const Observations& observations);
 /// The first `count` observations, without bound pairs, integrals and views: for searches and quick fits.
 Observations first_pairs(const Observations& observations, std::size_t count);
 
-/// Checks the input of a fit. Errors: fewer values than `parameters` of the model; values or weights that are not
-/// finite; weights that are negative or all 0.
+/// Checks the input of a fit. Returns an error if there are fewer values than `parameters` of the model, if values or
+/// weights are not finite, or if weights are negative or all 0.
 Result<Done> validate(const Observations& observations, std::size_t parameters);
 
 struct ObserveOptions {
@@ -151,7 +151,7 @@ struct ObserveOptions {
     std::size_t fewer = 1;
 };
 
-/// θmax, or the objective's default if it is 0. Errors: not between 1° and `k_horizon_theta`.
+/// θmax, or the objective's default if it is 0. Returns an error if it is not between 1° and `k_horizon_theta`.
 Result<double> valid_theta(Objective objective, double max_theta);
 
 /// Chooses the observations of a table. `f` may be negative (see signed_value) or NaN.
@@ -175,7 +175,7 @@ Result<double> valid_theta(Objective objective, double max_theta);
 /// Appearance adds 100 views of a sphere under four extended and eleven directional white lights, none of which is
 /// one of `standard_lightings`.
 ///
-/// Errors: no pair has a value; all values are 0; cancelled.
+/// Returns an error if no pair has a value above 0, or if it is cancelled.
 Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, const ProgressToken& progress = {});
 
 /// The weight of one of `count` horizon pairs. An error of √`largest_square` at all of them costs `importance`.

@@ -32,7 +32,8 @@ struct RawMatrix {
     std::uint64_t clamped = 0;     ///< number of negative channel values in the matrix, set to 0
 };
 
-/// Evaluates `f`, which may be negative (see signed_value) or NaN. Errors: options out of range; cancelled.
+/// Evaluates `f`, which may be negative (see signed_value) or NaN. Returns an error if options are out of range, or if
+/// it is cancelled.
 Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options = {}, const ProgressToken& progress = {});
 
 }  // namespace srbf

@@ -9,9 +9,9 @@
 
 namespace SRBF_NAMESPACE {
 
-/// The data of a fit, and its loss: the mean of ρ(ΔE_ITP) over pixels (see `Pixels`) plus Σ w |f − f̂|² over pairs, which
-/// are used if no pictures are observed or if they are added. The outputs of a model are the colours of pixels and the
-/// values at pairs.
+/// The data of a fit, and its loss: the mean of ρ(ΔE_ITP) over pixels (see `Pixels`) plus Σ w |f − f̂|² over pairs,
+/// which are used if no pictures are observed or if they are added. The outputs of a model are the colours of pixels
+/// and the values at pairs.
 class SurfaceData {
   public:
     using Outputs = Aligned<float>;  ///< blocks with a column for each channel
@@ -51,8 +51,8 @@ class SurfaceData {
     std::vector<double> weight_;
 };
 
-/// The loss of a model as a function of variables x ≥ 0, for `levenberg_marquardt`. `Variables` has the members model(x),
-/// x_of(model) and most(), the upper bounds of x.
+/// The loss of a model as a function of variables x ≥ 0, for `levenberg_marquardt`. `Variables` has the members
+/// model(x), x_of(model) and most(), the upper bounds of x.
 template <typename Variables> class SurfaceProblem {
   public:
     SurfaceProblem(const SurfaceData& data, Variables variables)

@@ -26,7 +26,7 @@ struct GapFilledSamples {
     double prior_limit = 0;  ///< 1.8 times the largest f A of the samples; with a single g 1.6 times, as for fits
 };
 /// `is_single`: use the first g alone, in a third of the time.
-/// Errors: no sample within max_theta [rad] that is not black.
+/// Returns an error if all samples within max_theta [rad] are black.
 Result<GapFilledSamples> fill_gaps(const ScatteredSamples& samples, double max_theta, int threads = 0,
                                    bool is_single = false);
 /// f [1/sr]; 0 below the horizon. Near the horizon the samples determine f A. Beyond 89.95° the divisor in

@@ -42,7 +42,8 @@ struct SampleObservations {
     Observations gap_filled_table;
     std::optional<GapFilledSamples> gap_filled;  ///< those that were observed
 };
-/// Errors: no sample within θmax, or all of them are 0; spectra requested of samples without spectra; cancelled.
+/// Observes samples. Returns an error if there is no sample above 0 within θmax, if spectra are requested of samples
+/// without spectra, or if it is cancelled.
 Result<SampleObservations> observe(const ScatteredSamples& samples, const ObserveSamplesOptions& options,
                                    const ProgressToken& progress = {});
 

@@ -34,8 +34,8 @@ struct LobeTable {
 };
 const LobeTable& lobe_table();
 
-/// The numbers of a node: the weights of the lobes, and with facets theirs; stretch and power of half-vector lobes; then
-/// with facets their matrices.
+/// The numbers of a node: the weights of the lobes, and with facets theirs; stretch and power of half-vector lobes;
+/// then with facets their matrices.
 inline constexpr std::size_t k_shape_numbers = 2, k_node_numbers = MixtureProposal::k_components + k_shape_numbers + 6;
 inline std::vector<float> numbers_of(const MixtureProposal& proposal, std::size_t node, bool has_facets) {
     std::vector<float> numbers(proposal.weight(node).begin(), proposal.weight(node).end());

@@ -26,7 +26,7 @@ PreparedBsdf prepare_by_cosine(const Subject& subject) {
     return std::visit([](const auto& content) { return prepare(content, CosineProposal{}); }, subject.content);
 }
 
-/// Errors: a map or a mask that cannot be drawn with these options.
+/// Returns an error if a map or a mask cannot be drawn with these options.
 Result<Done> check_pictured(const Pictured& pictured, const Mesh& mesh, const PathCommand& command) {
     if (std::holds_alternative<const Subject*>(pictured)) return Done{};
     const char* const kind = std::holds_alternative<const TexelMap*>(pictured) ? "a map" : "a mask";

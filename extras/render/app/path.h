@@ -30,7 +30,7 @@ struct PathCommand {
     std::vector<AllowedWhen> add_options(const Subcommand& sub, const std::vector<Option>& about_mesh,
                                          std::function<bool()> is_path);
     /// Renders the scene with each of the subjects under the lights of `lights`. `progress` receives the completed
-    /// fraction of all pictures. Errors: a map or a mask for a mesh without texture coordinates.
+    /// fraction of all pictures. Returns an error if a map or a mask is on a mesh without texture coordinates.
     Result<std::vector<PathPicture>> render(const Scene& scene, std::span<const Pictured> subjects, int width,
                                             int height, const std::function<void(double)>& progress = {}) const;
 };

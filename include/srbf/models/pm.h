@@ -19,8 +19,8 @@ struct Parameterization {
 ///   g(wl,wv) = Σ_j β_j e^{s_j} Π_n G(ψ_n(wl,wv)·ξ_jn | λ_jn) Π_k e^{κ_jk x_k(wl,wv)} [1/sr],
 ///   ρ(wl,wv) = g(wl,wv), or (g(wl,wv) + g(wv,wl)) / 2 in the form reciprocal.
 /// Evaluated by `pm_value` of kernel.glsl. The members hold the symbols of the formula; `write_model` describes the
-/// file encoding. A spectral model has β_j at C wavelengths; its R, G, B follow from these (brdf/colour.h). One of them may
-/// be negative; ρ is 0 where the sum is.
+/// file encoding. A spectral model has β_j at C wavelengths; its R, G, B follow from these (brdf/colour.h). One of them
+/// may be negative; ρ is 0 where the sum is.
 struct PmModel {
     PmForm form = PmForm::gaussian;
     bool axial = true;              ///< every centre is +z or −z, for isotropic data

@@ -38,8 +38,8 @@ struct IndexTexture {
 
 /// Scattered univariate SRBFs (Tsai 2009, section 7.2): for each sampled view direction wv_i
 ///   ρ(wl, wv_i) = Σ_j β_ij G(wl·ξ_ij | λ_ij) [1/sr],
-/// and between them interpolation. Evaluated by the su_ functions of kernel.glsl. With `discretise` light, wl and wv are
-/// exchanged. docs/formats.md describes the file encoding.
+/// and between them interpolation. Evaluated by the su_ functions of kernel.glsl. With `discretise` light, wl and wv
+/// are exchanged. docs/formats.md describes the file encoding.
 struct SuModel {
     Discretise discretise = Discretise::view;
     SuInterpolation interpolation = SuInterpolation::rotated;

@@ -284,7 +284,7 @@ struct ColumnAssignment {
         if (angle[1].exists() && !angle[3].exists() && !columns.both) lacks(3);
     }
     /// Assigns the only kind of values, or the first quantity if others state the same values as another quantity.
-    /// Errors: there is none, or two of one quantity; a unit that is not known.
+    /// Refuses columns if there is none, if two have one quantity, or if a unit is not known.
     void assign_values() {
         struct Kind {
             Values values;

@@ -44,8 +44,9 @@ struct Columns {
 bool are_units(std::span<const std::string_view> fields);
 /// True if two fields name directions, or one a direction and one a value.
 bool are_names_of_columns(std::span<const std::string_view> fields);
-/// Assigns columns by their names. Errors: no directions or no values; two columns of the same meaning; `constants`
-/// ("phi_l_deg=180") that are not angles. Angles of the light that neither has are those of lines in `header`.
+/// Assigns columns by their names. `constants` are angles ("phi_l_deg=180"). Lines of `header` give angles of the light
+/// that neither states. Returns an error if there are no directions or no values, if two columns have the same meaning,
+/// or if a constant is not an angle.
 Result<Columns> assign_columns(std::span<const std::string_view> names, std::span<const std::string_view> constants,
                                std::span<const std::string_view> header, const std::string& file_name,
                                std::uint64_t line);

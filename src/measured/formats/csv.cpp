@@ -218,7 +218,7 @@ std::optional<Error> infer_angles(Table& table, const std::string& file_name, st
     return {};
 }
 
-/// Errors: those of `assign_columns` and of `infer_angles`.
+/// Returns an error if `assign_columns` or `infer_angles` does.
 Result<Table> open_table(std::string_view text, const std::string& file_name, const std::string& option) {
     std::vector<std::string_view> names, constants;
     for (std::string_view rest = option, name = next_word(rest, " ,"); !name.empty(); name = next_word(rest, " ,"))

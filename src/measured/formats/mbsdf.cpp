@@ -157,7 +157,8 @@ Result<std::vector<MbsdfTable>> read_blocks(std::span<const std::byte> bytes, co
 
 bool is_mbsdf(std::span<const std::byte> bytes) { return as_text(bytes).starts_with(k_any_version); }
 
-/// Reads both blocks, as reflection and transmission of light from the front; the reflection alone if there is no other.
+/// Reads both blocks, as reflection and transmission of light from the front; the reflection alone if there is no
+/// other.
 Result<Measured> read_any_mbsdf(std::span<const std::byte> bytes, const std::string& file_name, const ReadOptions&) {
     auto blocks = read_blocks(bytes, file_name);
     if (!blocks) return blocks.error();

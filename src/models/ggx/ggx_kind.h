@@ -35,7 +35,8 @@ template <> struct Kind<GgxModel> : KindOfNumbers<GgxModel> {
     /// linear parameters are rounded. If pictures are observed, all parameters are then optimised for the loss of
     /// `SurfaceData` with pixels and pairs, from this solution and from the best of the grid. Albedos and bound pairs
     /// are not used.
-    /// Errors: options out of range, fewer observations than parameters, values that are not finite; cancelled.
+    /// Returns an error if options are out of range, observations fewer than parameters, or values not finite, or if it
+    /// is cancelled.
     static Result<Fitted<GgxModel>> fit(const Observations& observations, const GgxRequest& request = {},
                                         const FitConditions& conditions = {}, const ProgressToken& progress = {});
 

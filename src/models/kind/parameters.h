@@ -26,8 +26,8 @@ struct Model;
 Parameters parameters(const Model& model);
 /// The inverse of `parameters`. Rounds to the 16-bit floats of model files, except for centres that are exact already,
 /// since conversion to vectors rounds their angles twice. A multivariate model may lack `log_scale` (0), `centre` (+z),
-/// `exponent` (none), and `form` and `axial`, which follow from the others. Errors: a missing or unknown name, another
-/// shape, numbers that are not finite or out of range, vectors that are not of length 1.
+/// `exponent` (none), and `form` and `axial`, which follow from the others. Returns an error if a name is missing or
+/// unknown, if a shape differs, if numbers are not finite or out of range, or if vectors do not have length 1.
 Result<Model> model_from(const Parameters& parameters, std::map<std::string, std::string> provenance = {});
 
 /// The kind of a model in words: "surface of OpenPBR".
@@ -99,8 +99,8 @@ class ParameterReader {
     std::optional<Error> error_;
 };
 
-/// An error if a coefficient of the model, or a reflectance of its facets, is above the largest 16-bit float, 65504,
-/// which `write_model` stores instead. `source` becomes `Error::source`.
+/// Returns an error if a coefficient of the model, or a reflectance of its facets, is above the largest 16-bit float,
+/// 65504, which `write_model` stores instead. `source` becomes `Error::source`.
 Result<Done> check_range(const Model& model, const std::string& source);
 
 SRBF_END

@@ -25,9 +25,9 @@ struct SuFit {
 };
 
 /// Fits scattered univariate SRBFs: for each sampled direction of `matrix`, including those beyond θmax, a sum of J
-/// lobes with general centres, by separable least squares as in `fit_pm`. The fit of a view begins with the lobes of the
-/// previous view; the first of every 32 views is fitted from scratch (docs/fitting.md).
-/// Errors: options out of range; a matrix of another size; a view with data at fewer than J directions within θmax.
+/// lobes with general centres, by separable least squares as in `fit_pm`. The fit of a view begins with the lobes of
+/// the previous view; the first of every 32 views is fitted from scratch (docs/fitting.md). Returns an error if options
+/// are out of range, the matrix has another size, or a view has data at fewer than J directions within θmax.
 Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const ProgressToken& progress = {});
 
 }  // namespace srbf

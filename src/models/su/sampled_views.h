@@ -18,8 +18,8 @@ class SampledViews {
 
     /// The rows of a view. Directions of the matrix within θmax have the weights of the objective; directions beyond it
     /// are horizon pairs with small weights, as in `observe`. Further directions (`RawMatrix::Between`) have the weight
-    /// of k_between_views_directions times a uniform density. An objective of pictures adds radiances. The scale is 0 if
-    /// there is no value above 0 within θmax.
+    /// of k_between_views_directions times a uniform density. An objective of pictures adds radiances. The scale is 0
+    /// if there is no value above 0 within θmax.
     const ViewRows& rows(std::size_t view) const { return rows_[view]; }
 
   private:

@@ -107,8 +107,8 @@ EvaluatedTable evaluated(TreeTable table);
 /// that the file defines, or Radiance's tensor trees. They describe reflection and transmission at front and back,
 /// in bands of wavelengths; the band "Visible" is chosen if it exists. WINDOW's front is +z. A peak within one
 /// patch around the mirror direction, of which the neighbouring patches have less than a tenth, becomes a `Beam`.
-/// Errors: XML that is not well-formed; a document type, which can define entities; a matrix whose size does not
-/// match its bases; a tree of the wrong shape; numbers that are not finite.
+/// Returns an error if the XML is not well-formed or has a document type, which can define entities, if the size of a
+/// matrix does not match its bases, if a tree has the wrong shape, or if a number is not finite.
 Result<BsdfTable> read_bsdf_xml(std::span<const std::byte> bytes, const std::string& file_name);
 inline constexpr std::size_t k_largest_xml = std::size_t(1) << 28;
 

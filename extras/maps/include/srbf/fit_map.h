@@ -36,12 +36,13 @@ struct SharedPairs {
 /// minimise all terms of its own objective. The result is a row of the materials, whose `error` is their mean ΔE_ITP
 /// under `standard_lightings`.
 ///
-/// Errors: samples, or a two-sided measurement; no material; options out of range; cancelled.
+/// Returns an error if there is no material, if one is of samples or two-sided, if an option is out of range, or if it
+/// is cancelled.
 Result<TexelMap> fit_map(std::span<const Measured> materials, const MapOptions& options,
                          const ProgressToken& progress = {});
-/// Finds lobes that T texels share, of values f [T, pairs], NaN where nothing was measured. Their gaps are filled as in a fit
-/// of scattered samples, at fewer pairs. Of three searches the best one counts. `error` of the result, a row of the
-/// texels with values above 0, is 0. Errors: those above, and no such texel.
+/// Finds lobes that T texels share, of values f [T, pairs], NaN where nothing was measured. Their gaps are filled as in
+/// a fit of scattered samples, at fewer pairs. The best of three searches counts. The result is a row of the texels
+/// that have values above 0, and its `error` is 0. Returns an error as above, and if no texel has a value above 0.
 Result<TexelMap> fit_map(const SharedPairs& pairs, std::span<const Rgb> f, const MapOptions& options,
                          const ProgressToken& progress = {});
 

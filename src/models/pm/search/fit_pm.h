@@ -48,11 +48,11 @@ struct PmFit : Fitted<PmModel> {
 
 /// Fits parameterized multivariate SRBFs by separable least squares. For given centres, bandwidths and
 /// parameterizations the coefficients solve a non-negative linear problem. Levenberg-Marquardt minimises the remaining
-/// residual over the other parameters (Kaufman 1975). Lobes are grown one by one. With spectral observations lobes and
-/// their colours are those of the fit to the colours; the lobes then get spectra. Details: docs/fitting.md. If `begin`
-/// is given, its lobes are polished instead of those of a search, after it has grown to this number of lobes. It must
-/// have this form and number of variates, and no more lobes. Errors: options out of range, fewer observations than
-/// parameters, values that are not finite.
+/// residual over the other parameters (Kaufman 1975). Lobes are grown one by one. Spectral observations are first
+/// fitted by their colours; these lobes and colours remain, and the lobes then get spectra. Details: docs/fitting.md.
+/// If `begin` is given, there is no search: its lobes are polished, after it has grown to `lobes` of them. It must have
+/// this form and number of variates, and no more lobes. Returns an error if options are out of range, observations
+/// fewer than parameters, or values not finite.
 Result<PmFit> fit_pm(const Observations& observations, const PmFitOptions& options, const ProgressToken& progress = {},
                      const PmModel* begin = nullptr);
 

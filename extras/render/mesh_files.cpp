@@ -125,7 +125,7 @@ class PlyReader {
             const std::string& name = elements_[i].name;
             const auto first = std::ranges::find(elements_, name, &Element::name);
             if (first != elements_.begin() + std::ptrdiff_t(i) && (name == "vertex" || name == "face"))
-                return Error{file_name_, 0, "elements of a .ply", "one " + name, "another"};
+                return Error{file_name_, 0, "elements of a .ply", "one " + name, "a second one"};
             if (const auto done = read_rows(elements_[i]); !done) return done.error();
         }
         if (std::ranges::find(elements_, "vertex", &Element::name) == elements_.end())
@@ -273,7 +273,7 @@ class PlyReader {
             if (!is_vertex) continue;
             const Vec3f position{x[0], x[1], x[2]}, normal{x[3], x[4], x[5]};
             if (!is_finite(position) || (has_normals && !is_finite(normal)))
-                return fail(fmt::format("vertex {} of {}", row + 1, element.count), "finite numbers", "others");
+                return fail(fmt::format("vertex {} of {}", row + 1, element.count), "finite numbers", "");
             mesh_.positions.push_back(position);
             if (has_normals) mesh_.normals.push_back(normal);
             if (has_texture) texture_.push_back(texture_coordinates(x[6], x[7]));

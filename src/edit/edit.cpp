@@ -222,7 +222,7 @@ Result<Model> blended(const Model& a, const Model& b, double mix) {
     const auto of_a = require_pm(a), of_b = require_pm(b);
     if (!of_a || !of_b) return (of_a ? of_b : of_a).error();
     if ((*of_a)->wavelength != (*of_b)->wavelength)
-        return argument_error("blend", "models", "the same wavelengths, or colours", "others");
+        return argument_error("blend", "models", "the same wavelengths, or colours", "different wavelengths");
     PmModel sum = joined(scaled(**of_a, float(1 - mix)), scaled(**of_b, float(mix)));
     for (const auto& valid : {require_range("blend", "variates of both", sum.variates, 1, k_most_variates),
                               require_range("blend", "lobes of both", sum.lobes, 1, k_most_lobes)})

@@ -117,15 +117,15 @@ struct Fitter::State {
     Result<Done> validate(const FitRequest& request, bool is_draft) const {
         if (measured_ && std::holds_alternative<BsdfTable>(measured_->table))
             return argument_error("fit", "measurement", "a BRDF", "reflection and transmission, for fit_bsdf");
-        const auto refused = [](const char* expected, const char* found) {
-            return argument_error("fit", "spectral channels", expected, found);
+        const auto refused = [](const char* expected, std::string_view found) {
+            return argument_error("fit", "spectral channels", expected, std::string(found));
         };
         if (request.spectral && (!measured_ || wavelengths(*measured_).empty()))
             return refused("a measurement at wavelengths", "one of colours");
         if (request.spectral && !std::holds_alternative<PmRequest>(request.model))
-            return refused("a multivariate model", "another");
+            return refused("the model pm", model_name(request));
         if (is_draft && !std::holds_alternative<PmRequest>(request.model))
-            return argument_error("fit", "draft", "one of a multivariate model", "another");
+            return argument_error("fit", "draft", "the model pm", std::string(model_name(request)));
         const auto target = target_of(request);
         if (target && samples())
             return argument_error("fit", "target delta E", "a measured table", "scattered samples");

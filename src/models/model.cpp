@@ -82,7 +82,7 @@ template <typename... M> struct Kinds<std::variant<M...>> {
         };
         (make_one(std::type_identity<M>()), ...);
         if (model) return *std::move(model);
-        return Error{{}, {}, "parameters", "those of a model", "others", ErrorCode::argument};
+        return Error{{}, {}, "parameters", "the parameters of a model", {}, ErrorCode::argument};
     }
 
   private:

@@ -332,7 +332,7 @@ struct ColumnAssignment {
         if (columns.values != Values::spectrum)
             columns.wavelengths.clear();
         else if (!are_wavelengths(columns.wavelengths))
-            refuse("columns of increasing wavelengths, from 100 nm up", "others");
+            refuse("columns of increasing wavelengths, from 100 nm up", "");
         const std::string& first = keys[columns.value[0]].key;
         has_other_names |= kinds.size() > 1 || (columns.values != Values::spectrum && !is_one_of(first, "r x value"));
         for (const std::size_t i : columns.value) {

@@ -94,7 +94,7 @@ int CompareCommand::run() const {
     fmt::print("{} against {}, directions within {:g}° of the normal\n\n", printable(other), printable(reference),
                theta);
     print_measures({{"", &comparison}});
-    if (repeats) fmt::print("\n{} repeats itself {}\n", printable(reference), repeats_text(*repeats));
+    if (repeats) fmt::print("\n{}: {}\n", printable(reference), repeats_text(*repeats));
     if (comparison.matrix.masked > 0)
         fmt::print("\n{} of {} pairs of the matrix were not measured and are skipped\n",
                    grouped(comparison.matrix.masked), grouped(comparison.matrix.masked + comparison.matrix.pairs));

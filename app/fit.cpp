@@ -12,8 +12,8 @@
 namespace srbf {
 namespace {
 
-/// Which measurements an option applies to. The rows of `AllowedWhen` in fit_command.cpp depend on the command line
-/// alone.
+/// Options that fits of some measurements do not read. `are_read` is true if fits of this measurement do. The rows of
+/// `AllowedWhen` in fit_command.cpp depend on the command line alone.
 struct ReadFor {
     std::vector<std::string_view> options;
     bool are_read;
@@ -33,8 +33,8 @@ Result<Done> check_read(const Measured& measured, const FileFit& fit) {
     const ReadFor rows[] = {
         {{"--variates"},
          !(own && pm && !pm->size),
-         "a number of lobes too",
-         fmt::format("none, so that sizes of {} are tried", fitted)},
+         "--lobes as well",
+         fmt::format("none: a fit of {} then chooses its size", fitted)},
         {{"--target-delta-e"}, !own, "a table", fitted},
         {{"--objective", "--max-theta"}, !own || is_view_by_view, "a table or samples", fitted},
         {{"--channels"}, !(own && fit.request.spectral), "rgb", "spectral, of " + fitted},

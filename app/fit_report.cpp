@@ -55,7 +55,7 @@ void print_repeatability(const FitRequest& request, const FitOutcome& outcome) {
                    limit < outcome.largest_albedo
                        ? fmt::format("the fit is held to {:g}, which adds to its error: see --albedo-limit", limit)
                        : "the fit may reflect as much");
-    if (outcome.exchanged) fmt::print("  repeats   {}\n", repeats_text(*outcome.exchanged));
+    if (outcome.exchanged) fmt::print("  exchange  {}\n", repeats_text(*outcome.exchanged));
     if (outcome.against_mean)
         fmt::print("  fitted to the mean with light and viewer exchanged: ΔE_ITP {:.3g} (worst {:.3g}) against it\n",
                    outcome.against_mean->mean.delta_e, outcome.against_mean->worst_delta_e);

@@ -151,7 +151,7 @@ void print_behaviour(const Subject& subject) {
         compare(brdf, other, {.max_theta = max_theta * k_degree, .pictures = false}, {})[0].heldout;
     print_row("reciprocity error", fmt::format("{} of f cosθl, squared, between f(wl, wv) and f(wv, wl), θ ≤ {}°",
                                                percent(reciprocity.squared_error_ratio_cosine), max_theta));
-    if (const auto repeats = repeatability(subject.content)) print_row("repeats", repeats_text(*repeats));
+    if (const auto repeats = repeatability(subject.content)) print_row("exchange", repeats_text(*repeats));
     // The measurement before negative values are set to 0.
     const Evaluate as_measured = measured ? signed_evaluator(*measured) : brdf;
     const std::vector<Vec3f> directions = fibonacci_directions(512, max_theta * k_degree);

@@ -32,7 +32,7 @@ const Json* judged_pictures(const Json& report);
 
 /// Picture errors of a table against its transpose; none if it is reciprocal or not a table.
 std::optional<Appearance> repeatability(const AnyBrdf& brdf, int threads = 0);
-/// "within ΔE_ITP 14.4 (worst 21.4) where light and viewer are exchanged"
+/// "pictures change by ΔE_ITP 14.4 (worst 21.4) if light and viewer are exchanged"
 std::string repeats_text(const Appearance& exchanged);
 
 /// Prints a table of measures, with a column for each set of pairs in each comparison.

@@ -65,7 +65,7 @@ std::optional<Appearance> repeatability(const AnyBrdf& brdf, int threads) {
 }
 
 std::string repeats_text(const Appearance& exchanged) {
-    return fmt::format("within ΔE_ITP {:.3g} (worst {:.3g}) where light and viewer are exchanged",
+    return fmt::format("pictures change by ΔE_ITP {:.3g} (worst {:.3g}) if light and viewer are exchanged",
                        exchanged.mean.delta_e, exchanged.worst_delta_e);
 }
 

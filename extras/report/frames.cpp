@@ -25,7 +25,7 @@ struct TimedModel {
     bool by_texture;  ///< evaluates a view-by-view model with an index texture, as in Tsai 2009
 };
 
-/// The models of Tsai 2009's timings, and the default model, if they were fitted.
+/// The models of Tsai 2009's timings, and the model of the main fit, if they were fitted.
 std::vector<TimedModel> timed_models(const Study& study) {
     std::vector<TimedModel> models;
     const Json& fits = study.material.at("fits");

@@ -200,7 +200,7 @@ class StudyMaker {
         return Done{};
     }
 
-    /// Lists the default fit, and writes a page that compares it and GGX with the measurement.
+    /// Lists the main fit (role "pm"), and writes a page that compares it and GGX with the measurement.
     Result<Done> write_exports(Study& study) {
         Json& exports = study.material["exports"] = Json::array();
         const auto subject_of = [&](std::string_view role) -> const Subject* {

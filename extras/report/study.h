@@ -9,7 +9,7 @@
 
 namespace SRBF_NAMESPACE {
 
-/// The page that compares the default fit with the measurement.
+/// The page that compares the main fit (role "pm", see `plan`) with the measurement.
 inline constexpr char k_page_file[] = "page.html";
 /// Polar angles of the light in plots of lobes [degrees].
 inline constexpr std::array<double, 3> k_lobe_theta{0, 45, 75};

@@ -139,7 +139,8 @@ std::string source_material(const MaterialEntry& entry) {
     return name == "nickel" ? name : "";
 }
 
-/// The verdict on the default fit, from its pictures of a sphere or, if it has none, from the picture of the ball.
+/// The verdict on the main fit (role "pm"), from its pictures of a sphere or, if it has none, from the picture of the
+/// ball.
 std::string_view verdict_of(const Study& study) {
     PictureErrors errors;
     for (const Json& fit : study.material.at("fits"))

@@ -43,7 +43,7 @@ Rows rows_with(const Table& table, const std::string& column, const Json& value)
 const Json* row_with(const Rows& rows, const std::string& column, const Json& value);
 /// The fit of a material that is drawn in this role.
 const Json* fit_with_role(const Tables& tables, const Json& material, const std::string& role);
-/// The completed materials, sorted by the visible error of the default fit.
+/// The completed materials, sorted by the visible error of the main fit (role "pm").
 Rows by_visible_error(const Tables& tables);
 
 /// The name, title, meaning and format of a measure.

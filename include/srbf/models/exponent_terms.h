@@ -18,7 +18,7 @@ struct ExponentTerm {
     double least, most;           ///< bounds of κ_jk in a fit; if `least` is 0, κ_jk ≥ 0 in files too
     double least_if_reciprocal;   ///< least κ_jk of a reciprocal form: steeper lobes have ridges beyond θmax
     bool is_slope;                ///< a fit to samples ε [rad] apart also bounds |κ_jk| by 1/ε
-    bool is_sharp;  ///< initial κ_jk like a bandwidth: 0, 0.3 to 6e4 or -100 to -0.3; otherwise 0, ±0.1 to ±10
+    bool is_sharp;                ///< a fit draws initial κ_jk from the wide range of bandwidths
 };
 inline constexpr std::array<ExponentTerm, 4> k_terms{{
     {"κ", "(cosθl cosθv)^κ", "", 0, 64, 0, false, false},

@@ -1,3 +1,4 @@
+// Errors that many functions return.
 #pragma once
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// Conversions between spectra, CIE XYZ and sRGB.
 #pragma once
 #include <array>
 #include <span>

@@ -1,3 +1,4 @@
+// Names that exported code defines, each by one owner.
 #pragma once
 #include <fmt/format.h>
 
@@ -7,6 +8,7 @@
 
 namespace SRBF_NAMESPACE {
 
+/// The names that the texts of one file define.
 class DefinedNames {
   public:
     /// Adds a name that the code of `owner` defines. Returns an error if another owner defines it.

@@ -1,3 +1,4 @@
+// Loops of exported code, written out.
 #pragma once
 #include "code/syntax.h"
 

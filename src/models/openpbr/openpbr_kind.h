@@ -1,3 +1,4 @@
+// `Kind` of OpenPBR surfaces.
 #pragma once
 #include <string>
 

@@ -1,3 +1,4 @@
+// The fit of a view-by-view model to a matrix of directions.
 #pragma once
 #include "observe/raw_matrix.h"
 #include "srbf/metrics.h"

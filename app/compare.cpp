@@ -14,7 +14,7 @@ namespace {
 
 struct CompareCommand {
     std::string reference, other, json;
-    ReadOptions read;      // for the reference
+    ReadOptions read;      // how the reference is read
     double max_theta = 0;  // [degrees]; 0: θmax of the model, or else 80
     int threads = 0;
 

@@ -66,7 +66,7 @@ int fit_file(FileFit fit) {
         picture = preview_of(fit, *measured, outcome->model);
     }
     line.clear();
-    constexpr float k_far_above = 2;  // of samples, the interpolation may exceed 1
+    constexpr float k_far_above = 2;  // the interpolation of samples may exceed 1
     double brightest = 0;
     for (const double theta : {0, 15, 30, 45, 60, 75})
         brightest = std::max(brightest, largest_of(albedo(evaluator(outcome->model), theta * k_degree, k_pi / 2)));

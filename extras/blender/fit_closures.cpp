@@ -270,7 +270,7 @@ class ClosureProblem {
             }
         }
         const KnotPosition at(view.theta, layout_.knots);
-        Eigen::MatrixXd chain(width, 2 * width);  // of the parameters at the view by the unknowns of its knots
+        Eigen::MatrixXd chain(width, 2 * width);  // derivatives of a view's parameters by the unknowns of its knots
         chain << (1 - at.share) * slopes_at(at.knot), at.share * slopes_at(at.knot + 1);
         Eigen::MatrixXd square = Eigen::MatrixXd::Zero(width, width);
         square.selfadjointView<Eigen::Lower>().rankUpdate(J);
@@ -380,7 +380,7 @@ Eigen::VectorXd extended(const std::vector<MatchedView>& views, Layout before, c
     };
     Eigen::VectorXd largest = Eigen::VectorXd::Zero(Eigen::Index(after.parts()));
     for (const Eigen::MatrixXd& of_view : weights) largest = largest.cwiseMax(of_view.rowwise().maxCoeff());
-    constexpr double k_least_share = 0.02;  // of a weight, so that it can grow again
+    constexpr double k_least_share = 0.02;  // weights stay above this share, so that they can grow again
     for (std::size_t i = 0; i < after.knots; ++i) {
         const double theta = after.theta(i);
         double* const to = longer.data() + i * after.width();
@@ -443,7 +443,7 @@ void limit_albedos(ClosureSum& sum, int threads) {
     constexpr double k_last_angle = 89.8 * k_degree, k_within = 1e-3;
     constexpr int k_most_sweeps = 1000;
     const std::size_t count = (sum.knots() - 1) * k_between;
-    std::array<ClosureSum, 2> parts{sum, sum};  // of knots with even and with odd indices
+    std::array<ClosureSum, 2> parts{sum, sum};  // the knots with even indices, and those with odd ones
     for (std::size_t knot = 0; knot < sum.knots(); ++knot) {
         ClosureSum& other = parts[1 - knot % 2];
         for (std::size_t j = 0; j < sum.ramp; ++j) other.diffuse[knot * sum.ramp + j] = {};
@@ -467,7 +467,7 @@ void limit_albedos(ClosureSum& sum, int threads) {
         bool exceeded = true;
         for (int sweep = 0; exceeded && sweep < k_most_sweeps; ++sweep) {
             exceeded = false;
-            for (std::size_t i = count; i-- > 0;) {  // of which the last exceed 1 by most
+            for (std::size_t i = count; i-- > 0;) {  // the last ones exceed 1 by most
                 const std::size_t knot = KnotPosition(theta(i), sum.knots()).knot;
                 const double a = double(albedos[i][knot % 2][c]), b = double(albedos[i][1 - knot % 2][c]),
                              excess = a * scale[knot] + b * scale[knot + 1] - 1;

@@ -171,7 +171,7 @@ class BlockSolver {
         Eigen::VectorXd g(size), upper(size), solved;
         for (std::size_t t = 0; t < count; ++t) {
             if (!(block_.bright[t] > 0)) continue;
-            solved.resize(0);  // of the channel before
+            solved.resize(0);  // drops the previous channel's values
             const double bright = double(block_.bright[t]);
             for (std::size_t a = 0; a < n; ++a) {
                 const std::size_t j = which[a];

@@ -308,7 +308,7 @@ class PlyReader {
     Encoding encoding_{};
     std::vector<Element> elements_;
     Mesh mesh_;
-    std::vector<Vec2f> texture_;  // of the vertices
+    std::vector<Vec2f> texture_;  // texture coordinates of the vertices
 };
 
 // ---- .obj --------------------------------------------------------------------------------------------------------

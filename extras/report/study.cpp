@@ -266,7 +266,7 @@ Result<Study> make_study(const std::string& file, const std::string& folder, con
                          const std::function<void(const std::string&, double)>& progress) {
     const fs::path whole = folder, unfinished = whole.parent_path() / ("." + whole.filename().string());
     std::error_code code;
-    fs::remove_all(unfinished, code);  // from an interrupted run
+    fs::remove_all(unfinished, code);  // an interrupted run may have left it
     fs::remove_all(whole, code);
     if (fs::create_directory(unfinished, code); code)
         return Error{unfinished.string(), {}, "cannot be made", "a folder", code.message()};

@@ -71,7 +71,7 @@ class PreparedBrdf {
         alignas(16) float colour[4];
         value_(held_, wl, wv, colour);
         Rgb f;
-        std::memcpy(&f, colour, sizeof f);  // as it was stored
+        std::memcpy(&f, colour, sizeof f);  // the stored bytes
         return f;
     }
 

@@ -177,7 +177,7 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
         Quadrature points;
         std::vector<Rgb> f;  // the values of an isotropic first BRDF
     };
-    std::map<int, Shared> mirrored;  // by squared distance; about eight pixels of a small picture share points
+    std::map<int, Shared> mirrored;  // keys are squared distances; about eight pixels share points
     std::vector<std::pair<const int, Shared>*> each;
     if (size <= k_most_shared)
         for (int y = 0; y < size; ++y)

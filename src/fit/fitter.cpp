@@ -292,7 +292,8 @@ struct Fitter::State {
         const auto quiet = smooth(request, progress);
         if (!quiet) return quiet.error();
         if (std::holds_alternative<SuRequest>(request.model))
-            return fit_view_by_view(smoothed_ ? smoothed_ : signed_, request, *quiet);  // by a matrix of its own
+            return fit_view_by_view(smoothed_ ? smoothed_ : signed_, request,
+                                    *quiet);  // it observes a matrix of its own
         const double share = is_draft ? k_drafts_observed : k_observed;
         const auto found = observed(request, quiet->part(0, share));
         if (!found) return found.error();
@@ -358,11 +359,11 @@ struct Fitter::State {
 
     const Measured* measured_;  // null: a function
     Evaluate signed_, clamped_;
-    std::optional<Noise> noise_;   // of a table that was fitted
+    std::optional<Noise> noise_;   // noise of a table that was fitted
     Evaluate smoothed_ = nullptr;  // if it is noisy
     std::map<Key, Observations> observations_;
     std::map<Key, SampleObservations> sample_observations_;
-    std::map<double, bool> isotropic_;  // by θmax
+    std::map<double, bool> isotropic_;  // the keys are θmax
 };
 
 Fitter::Fitter(const Measured& measured) : state_(std::make_unique<State>(signed_evaluator(measured), &measured)) {}

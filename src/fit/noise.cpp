@@ -126,7 +126,7 @@ Noise noise_of(const Evaluate& f) {
     const std::vector<Rgb> values = at_triples(f);
     Noise noise;
     for (int c = 0; c < 3; ++c) {
-        std::vector<std::pair<double, double>> means;  // with their second differences; of noise both are independent
+        std::vector<std::pair<double, double>> means;  // (mean, second difference), which noise makes independent
         std::size_t negative = 0;
         for (std::size_t i = 0; i < values.size(); i += 3) {
             const double x = double(values[i][c]), beside = double(values[i + 1][c]) + double(values[i + 2][c]);

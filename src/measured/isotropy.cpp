@@ -54,7 +54,7 @@ Complex rotation_between(const ScatteredSamples& samples, std::size_t i, std::si
 /// True if rotation changes no more than its halves: all directions lie in one plane, or lights or viewers are off the
 /// normal and have one azimuth, within half a degree.
 bool lacks_rotations(const ScatteredSamples& samples) {
-    constexpr double k_most = 1e-4;  // of sin² and of products of sines
+    constexpr double k_most = 1e-4;  // bound on sin² and on products of sines
     const auto sine2 = [](const Vec3f& w) { return between(w, w).real(); };
     const auto farthest = [&](const std::vector<Vec3f>& w) { return *std::ranges::max_element(w, {}, sine2); };
     const auto lie_in_plane = [](const Vec3f& axis, const std::vector<Vec3f>& all, double least) {

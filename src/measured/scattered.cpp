@@ -61,7 +61,7 @@ class Nearest {
     const std::pair<float, std::uint32_t>& operator[](std::size_t i) const { return found_[i]; }
 
   private:
-    static constexpr int k_patience = 2000;  // at most 108 are needed for known measurements
+    static constexpr int k_patience = 2000;  // known measurements need at most 108
     std::size_t most_, count_ = 0;
     std::array<std::pair<float, std::uint32_t>, k_neighbours + 1> found_;
     mutable int candidates_ = 0;

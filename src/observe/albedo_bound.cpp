@@ -29,9 +29,9 @@ double most_albedo(std::span<const Rgb> f, std::span<const double> weight) {
 }
 
 PmModel lowered_at_views(const AlbedoBound& bound, PmModel model) {
-    constexpr double k_lowered = 1 / 1.002;  // of the limit; for rounding, and between the views of the bound
+    constexpr double k_lowered = 1 / 1.002;  // fraction of the limit, for rounding and for views between
     const auto lobes = std::size_t(model.lobes);
-    std::vector<std::vector<double>> albedo;  // of each lobe alone
+    std::vector<std::vector<double>> albedo;  // albedos of each lobe alone
     for (int j = 0; j < model.lobes; ++j) albedo.push_back(bound.albedos(evaluator(only_lobe(model, j))));
     std::vector<double> factor(lobes, 1), all(albedo[0].size());
     for (;;) {

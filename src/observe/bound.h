@@ -1,4 +1,4 @@
-// Detection of fits that exceed the measurement between the observations.
+// Overshoots (docs/fitting.md): fits that exceed the measurement between the observations.
 #pragma once
 #include "observe/observations.h"
 #include "srbf/models/pm.h"

@@ -120,7 +120,7 @@ class NodeSearch {
     std::vector<Vec3f> views_;
     SamplingPoints points_;
     std::map<ShapeSteps, double> known_;
-    std::vector<float> weight_;  // of the least moment
+    std::vector<float> weight_;  // weights of the least moment
     double least_ = std::numeric_limits<double>::infinity();
     ShapeSteps best_{};
 };

@@ -54,7 +54,7 @@ std::size_t index_of(int side, std::size_t face, int x, int y) {
 class Pyramid {
   public:
     Pyramid(const Environment& source, int side, int threads) {
-        Image map = source.texels();  // in latitude and longitude; a face is a quarter of its width
+        Image map = source.texels();  // latitude and longitude; a face is a quarter of its width
         while (map.width >= 8 * side && map.height > 1) map = halved(map);
         const Environment environment(std::move(map));
         levels_.push_back({side, std::vector<Rgb>(std::size_t(6 * side * side))});

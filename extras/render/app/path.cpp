@@ -59,7 +59,7 @@ void add_rectangle(Mesh& mesh, Vec3f corner, Vec3f s, Vec3f t) {
 }
 
 constexpr float k_width = 4, k_height = 2.6f, k_depth = 5;
-constexpr float k_left = -1.4f, k_right = 1.4f, k_sill = 0.7f, k_top = 2.3f;  // of the opening
+constexpr float k_left = -1.4f, k_right = 1.4f, k_sill = 0.7f, k_top = 2.3f;  // sides of the opening [m]
 constexpr float k_radius = 0.4f;
 
 Room room() {

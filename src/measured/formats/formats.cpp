@@ -124,7 +124,7 @@ Result<Measured> read_with_options(std::span<const std::byte> bytes, const std::
 
 std::span<const Format> formats() {
     static const std::vector<Format> all = [] {
-        std::vector<Format> joined{k_rgl_format, k_mbsdf_format, k_merl_format};  // by their first bytes
+        std::vector<Format> joined{k_rgl_format, k_mbsdf_format, k_merl_format};  // recognised by their first bytes
         for (const std::span<const Format> extra : k_extra_formats)
             joined.insert(joined.end(), extra.begin(), extra.end());
         joined.insert(joined.end(), {k_alta_format, k_astm_format, k_cornell_format, k_csv_format, k_utia_format});

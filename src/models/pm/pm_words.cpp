@@ -59,7 +59,7 @@ void add_table(std::string& text, const PmModel& model) {
 /// no such form.
 PmForm form_of(ParameterReader& reader) {
     std::set<std::size_t> known;
-    std::vector<std::string_view> names;  // of the forms with so many terms
+    std::vector<std::string_view> names;  // the forms with this number of terms
     for (const FormRow& row : k_form_rows) {
         known.insert(row.terms);
         if (row.terms == reader.length('F')) names.push_back(row.name);

@@ -49,7 +49,7 @@ void SampledViews::find_typical() {
             wl.push_back(l), wv.push_back(v), values.push_back(f(view, i));
         }
     typical_ = typical_value(objective_, wl, wv, values, std::vector<double>(values.size(), 1.0));
-    if (!(typical_ > 0)) typical_ = 1;  // those views are black
+    if (!(typical_ > 0)) typical_ = 1;  // all these views are black
 }
 
 void SampledViews::find_largest() {

@@ -94,7 +94,7 @@ LevenbergMarquardtSummary take_last_steps(LobeProblem& problem, Eigen::VectorXd&
 
 /// The limit on the albedo of a fit; none: there is none.
 std::optional<AlbedoBound> albedo_bound(const PmFitOptions& options) {
-    constexpr int k_azimuths = 5;  // of lobes that need not be isotropic
+    constexpr int k_azimuths = 5;  // azimuths of views for lobes that may be anisotropic
     const double limit = options.albedo_limit.value_or(default_albedo_limit(options.form));
     if (std::isinf(limit)) return {};
     return AlbedoBound(limit, options.axial ? 1 : k_azimuths);

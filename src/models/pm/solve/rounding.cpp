@@ -98,7 +98,7 @@ struct SecondOrder {
 PmModel to_model(const LobeProblem& problem, const Lobes& lobes, const std::vector<float>& wavelengths) {
     constexpr double k_unused = 1e-30;
     PmModel model = without_coefficients(lobes);
-    std::vector<double> largest, log_peak;  // of all channels; −∞: the lobe is not used
+    std::vector<double> largest, log_peak;  // maxima over channels; −∞: the lobe is not used
     for (int j = 0; j < model.lobes; ++j) {
         largest.push_back(problem.beta().row(j).maxCoeff());
         log_peak.push_back(elementary::log(largest.back()) + problem.log_unit(lobes, j));

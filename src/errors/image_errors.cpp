@@ -97,7 +97,7 @@ double scale_distance(double distance) {
     return distance < knee ? 0.95 * distance / knee : 0.95 + 0.05 * (distance - knee) / (largest - knee);
 }
 
-/// Y, Cx, Cz.
+/// The colours of an image as Y, Cx, Cz.
 std::array<Plane, 3> opponent_colours(const Image& image) {
     const Plane blank(image.width, image.height);
     std::array<Plane, 3> planes{blank, blank, blank};

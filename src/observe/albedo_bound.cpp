@@ -11,8 +11,7 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// The views have cosθv in steps of a constant factor, from 1 to this. Those of the same cosine share so many
-/// directions of the light.
+/// The views' cosθv fall from 1 to this by a constant factor. Views of the same cosine share k_light_directions.
 constexpr double k_least_bounded_cosine = 1e-3;
 constexpr int k_bounded_views = 36, k_light_directions = 4096;
 /// In the end a model that is above this fraction of the limit is checked at more views by finer quadratures.

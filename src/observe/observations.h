@@ -12,14 +12,14 @@ namespace SRBF_NAMESPACE {
 
 // Weights of pairs: the loss of a 100 % error everywhere under each term, as a fraction of the same loss under the
 // objective's own weights.
-inline constexpr double k_highlights = 1;  ///< appearance: cube roots, for values that a display clips
-inline constexpr double k_peaks = 0.3;     ///< appearance: squares
-/// Cosine: cube roots. Without it the diffuse base under a highlight has almost no weight.
+inline constexpr double k_highlights = 1;  ///< weight of cube roots in appearance, for values that a display clips
+inline constexpr double k_peaks = 0.3;     ///< weight of squares in appearance
+/// The weight of cube roots in objective cosine. Without it the diffuse base under a highlight has almost no weight.
 inline constexpr double k_diffuse_base = 5e-3;
 /// Cost of an error at all horizon pairs (beyond θmax) as large as the largest measured f cosθl cosθv.
 inline constexpr double k_horizon_importance = 1e-2;
 
-/// Pixels, as a multiple of the loss of the fit without them.
+/// The cost of pixels, as a multiple of the loss of the fit without them.
 inline constexpr double k_pixels = 3.5;
 
 /// A relative error of this size in every albedo costs as much as the fit's loss without albedos; the two values
@@ -58,7 +58,7 @@ struct ObservedIntegral {
     std::vector<double> weight;  ///< weights of the quadrature, ≥ 0
     bool in_search = true;       ///< also used by a search, which has few pairs
     double cost = 1;             ///< cost of its relative error, compared with the costs of other integrals
-    bool is_bound = false;       ///< a bound that a fit exceeded, which takes no share of the cost of the others
+    bool is_bound = false;       ///< true for a bound that a fit exceeded, whose cost does not lower the others
     double least_unit = 0;       ///< its errors are relative to its luminance, or to this if this is larger
     /// a second lower limit of that unit, for noisy values; for every n-th direction it is divided by √n
     double noise_unit = 0;
@@ -147,7 +147,7 @@ struct ObserveOptions {
     double noise = 0;             ///< noise of a smoothed measurement relative to its dark values, `largest_share`
     bool horizon_albedos = true;  ///< appearance: albedos near the horizon; false if values there were not measured
     /// Divides the sizes of the pool, of the bound pairs around the mirror direction and of the albedos'
-    /// quadratures. For values interpolated between a few samples, each of which needs a search.
+    /// quadratures. It is above 1 for values interpolated between samples, each of which needs a search.
     std::size_t fewer = 1;
 };
 

@@ -56,7 +56,8 @@ class ViewMixture {
     double cos_max_;
 };
 
-/// The pairs at which a table is observed, by index. No value: a direction is below the horizon or outside the cap.
+/// The pairs at which a table is observed, by index. There is no value if a direction is below the horizon or outside
+/// the cap.
 class PairDraws {
   public:
     PairDraws(double theta_max, bool to_the_brink, std::size_t mirror_pairs, std::mt19937_64 random);

@@ -1,4 +1,4 @@
-// Fits of models of a few parameters that are not linear, by finite differences.
+// Fits of models with a few nonlinear parameters (GGX, OpenPBR), by finite differences.
 #pragma once
 #include <Eigen/Dense>
 
@@ -21,7 +21,7 @@ class SurfaceData {
     /// Adds the first n-th part of the pairs. For this model they are `share` times the loss of the pixels.
     void add_pairs(const Observations& observations, std::size_t n, const Evaluate& model, double share);
 
-    /// `f` is room for values of the model.
+    /// `f` is a buffer for values of the model.
     void compute_outputs(const Evaluate& model, std::vector<Rgb>& f, Outputs& outputs) const;
     double loss(const Outputs& outputs, PixelSlopes& slopes) const;
     /// JᵀJ and Jᵀr from the outputs and their derivatives by each variable.
@@ -108,7 +108,7 @@ struct SurfaceRound {
     int steps;
 };
 
-/// Levenberg-Marquardt from the first candidates, which are then in order of their loss. `variables_of` returns the
+/// Improves the first candidates by Levenberg-Marquardt, and sorts them by their loss. `variables_of` returns the
 /// variables of a model.
 template <typename Model, typename VariablesOf>
 void lower(std::vector<SurfaceCandidate<Model>>& candidates, const SurfaceRound& round, const SurfaceData& data,

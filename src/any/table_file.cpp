@@ -14,7 +14,7 @@ TableSource table_source(const Model& model) {
     return source;
 }
 
-/// The values of `of`; none once it is cancelled, so that what asks for them ends soon.
+/// The values of `of`; no values once it is cancelled, so that the caller ends soon.
 Evaluate until_cancelled(Evaluate of, const ProgressToken& token) {
     return [of = std::move(of), token](auto wl, auto wv, auto f) {
         if (!token.cancelled()) of(wl, wv, f);

@@ -5,9 +5,9 @@
 
 SRBF_BEGIN
 
-/// True if a part of it is known, or answered by its counterpart; of a BRDF the front reflection alone.
+/// True if a part is known, or follows from its counterpart. A BRDF has the front's reflection alone.
 bool has_part(const AnyBrdf& brdf, Part part);
-/// The beams of its parts, a missing reflection's from the other side.
+/// The beams of its parts; a missing reflection has the beam of the other side.
 Beams beams_of(const AnyBrdf& brdf);
 
 /// The bytes of a file of a format that is written (measured/formats.h), with the values of `brdf`. Scattered samples

@@ -17,7 +17,7 @@ inline constexpr CodeLanguageRow k_code_languages[] = {{CodeLanguage::glsl, "gls
                                                        {CodeLanguage::msl, "msl"},
                                                        {CodeLanguage::c, "c"}};
 
-/// The language of this name; none if there is no such language. And all names, as "glsl, hlsl, ...".
+/// The language of this name, if there is one; and all names, as "glsl, hlsl, ...".
 std::optional<CodeLanguage> code_language_named(std::string_view name);
 std::string code_language_names();
 

@@ -17,7 +17,7 @@ namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr int k_lobes_of_coat = 3, k_bounded_azimuths = 5;
-/// An edit that asks for more than this fraction of the albedo's limit is said to be limited.
+/// An edit whose albedo would exceed the limit by this factor is marked as limited.
 constexpr double k_noted_excess = 1.001;
 template <typename... F> struct Cases : F... { using F::operator()...; };
 
@@ -52,7 +52,7 @@ Result<Done> validate(const Edit& edit) {
                       edit);
 }
 
-/// The sum of both parts with the highlight widened, as a function.
+/// The sum of highlight and body as a function, with the highlight widened.
 Evaluate roughened(const HighlightAndBody& parts, double factor) {
     const auto highlight = evaluator(parts.highlight);
     Evaluate wide = roughened(highlight, factor, roughness_of(highlight));
@@ -82,8 +82,8 @@ struct Editor {
         if (of.factor == 1) return model;
         return fit(roughened(separated(model), of.factor), model, of.factor, model.lobes);
     }
-    /// The tint, with what it raises of highlight and body only as bright as the limit allows up to 75° from the
-    /// normal: were single lobes lowered instead, the hue would change.
+    /// The tint, with factors above 1 reduced until the albedo is within the limit up to 75° from the normal. If single
+    /// lobes were lowered instead, the hue would change.
     Tint within_limit(const PmModel& model, const Tint& wanted) const {
         if (largest_of(wanted.highlight) <= 1 && largest_of(wanted.body) <= 1) return wanted;
         const HighlightAndBody parts = separated(model);
@@ -116,7 +116,7 @@ struct Editor {
         return turned(model, of.degrees * k_degree);
     }
     Result<PmModel> operator()(const PmModel& model, const Coat& of) {
-        // Two passages of the interface turn light like facets of this slope below it.
+        // Light that passes the interface twice is spread like light from facets of this slope below it.
         const double slope = of.roughness * (1 - 1 / of.ior) / std::sqrt(2.0);
         const HighlightAndBody parts = separated(model);
         const double own = roughness_of(evaluator(parts.highlight));
@@ -151,7 +151,7 @@ Result<PmModel> in_halves(const PmModel& model, const char* where) {
     return stored;
 }
 
-/// Where a model comes from, without the errors of its fit.
+/// The provenance of a model without the errors of its fit.
 std::map<std::string, std::string> origin(const Model& model) {
     std::map<std::string, std::string> kept{{"generator", "srbf " SRBF_VERSION}};
     for (const char* key : {"source", "exchanged", "max_theta", "edits"})

@@ -135,7 +135,7 @@ struct Fitter::State {
         return Done{};
     }
 
-    /// Measures the errors of `outcome`: of a fit to samples, against these, with gaps filled.
+    /// Measures the errors of `outcome`. A fit to samples is compared with these, gaps filled.
     Result<Done> measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
         Evaluate reference = clamped_;
         if (samples()) {
@@ -211,8 +211,8 @@ struct Fitter::State {
         return outcome;
     }
 
-    // Observations, by everything that they depend on: the objective, θmax, the seed, whether they are spectral, of
-    // gap-filled samples, and of the reciprocal mean.
+    // The key of kept observations: everything in a request that they depend on. These are the objective, θmax, the
+    // seed, and whether they are spectral, of gap-filled samples, and of the reciprocal mean.
     using Key = std::tuple<Objective, double, std::uint64_t, bool, bool, bool>;
     Key key(const FitRequest& request) const {
         return {request.objective,
@@ -324,7 +324,7 @@ struct Fitter::State {
         return outcome_of(*std::move(fitted));
     }
 
-    /// The first size whose mean ΔE_ITP against what is fitted reaches the target, or the last.
+    /// Fits one size after the other, until the mean ΔE_ITP against the fitted function reaches the target.
     Result<FitOutcome> fit_first_size(const Observations& observations, PmFitOptions options, const FitRequest& request,
                                       const ProgressToken& progress) const {
         const double target = target_of(request).value_or(k_default_delta_e);

@@ -29,7 +29,7 @@ Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::strin
 /// for fewer than two files, if one is not of samples, or if their wavelengths, colours or names of values differ.
 Result<Measured> joined(std::span<const Measured> files);
 
-/// The names of all but `stated`, in their order.
+/// The names of all quantities but `stated`, in their order.
 inline constexpr std::array<std::string_view, 3> k_quantities{"bsdf", "factor", "cosine"};
 /// The quantity of that name; `stated` if none has it.
 Quantity quantity_named(std::string_view name);

@@ -34,12 +34,12 @@ template <typename M> struct Fitted {
     double unrounded_loss = 0;  ///< the loss of `unrounded`, which the fit minimises
 };
 
-/// `model` rounded as in its file. A valid one has no error.
+/// `model` rounded as in its file. It is an error only if the model is not valid.
 template <typename M> Result<M> as_stored(const M& model, const std::string& file_name = {}) {
     Safetensors content = Kind<M>::content(model);
     return Kind<M>::read(content, file_name);
 }
-/// `model`, a valid one, rounded as in its file.
+/// A valid model, rounded as in its file.
 template <typename M>
 requires requires { Kind<M>::name; }
 M rounded(const M& model) { return *as_stored(model); }

@@ -32,14 +32,14 @@ Result<Model> model_from(const Parameters& parameters, std::map<std::string, std
 
 /// The kind of a model in words: "surface of OpenPBR".
 std::string_view kind_words(const Model& model);
-/// "exchanged" of the provenance of a model of exchanged data.
+/// The text of "exchanged" in the provenance of a model of exchanged data.
 inline constexpr std::string_view k_exchanged = "light and viewer of the source";
 /// Describes a model in a line: "pm, form gaussian, 8 lobes, 4 variates, axial".
 std::string summary(const Model& model);
 /// Describes a model in rows, with its parameters, as `srbf info` prints them.
 std::string rows_text(const Model& model);
-/// The members of its fit's report that describe a model: "form", "lobes", "variates", "axial", and others for some
-/// kinds.
+/// The members that describe a model in the report of its fit: "form", "lobes", "variates", "axial", and others for
+/// some kinds.
 Parameters report_members(const Model& model);
 
 /// Writes number x of a model in code: element `index` of `parameter`, which is empty if x depends on several.

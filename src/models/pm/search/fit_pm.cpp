@@ -59,7 +59,7 @@ constexpr Perturbations k_by_pairs[] = {
 /// of the candidates remain for pictures to choose from.
 constexpr Perturbations k_by_pictures[] = {{Pairs::search, 1, 0.12}, {Pairs::search, 0.5, 0.28, 6}};
 
-/// Number of pairs while there are many candidates: in a short search about ten for each parameter.
+/// Number of pairs while there are many candidates; in a short search about ten for each parameter.
 std::size_t search_pairs(const Observations& observations, const PmFitOptions& options) {
     if (!has_short_search(options) || observations.is_noisy()) return k_search_pairs;
     return std::clamp(std::bit_ceil(10 * parameter_count(options)), k_search_pairs / 2, k_search_pairs);

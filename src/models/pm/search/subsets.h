@@ -26,8 +26,8 @@ class Subsets {
     /// Keeps a reference to `observations`, which must outlive it.
     explicit Subsets(const Observations& observations, std::size_t search_pairs = k_search_pairs);
 
-    /// Evaluates the candidates at the other observations. Adds those at which they exceed the measurement, and
-    /// updates the loss to which the weight of integrals is relative.
+    /// Evaluates the candidates at the other observations, and adds the observations at which they exceed the
+    /// measurement. Updates the loss to which the weight of integrals is relative.
     void add_exceeded_pairs(const std::vector<Candidate>& candidates, const LobeShape& shape);
 
     Rows rows(Pairs pairs, const FurtherTerms& terms) const;

@@ -7,8 +7,7 @@
 
 SRBF_BEGIN
 
-/// A map (map.h) ready for a renderer. Copies share its data. All functions may be called from several threads
-/// at once.
+/// A map (map.h) ready for a renderer. Copies share its data. All functions may be called from several threads at once.
 class PreparedMap {
   public:
     struct Contents;

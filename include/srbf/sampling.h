@@ -147,8 +147,7 @@ template <typename P> DirectionSample sample_with_pdf(const P& proposal, Vec3f w
     return {wl, wl.z > 0 ? pdf(proposal, wl, wv) : 0};
 }
 
-/// Samples the light for `brdf`. Values that were not measured count as 0. If wv is not above the horizon, pdf is
-/// 0.
+/// Samples the light for `brdf`. Values that were not measured count as 0. If wv is not above the horizon, pdf is 0.
 template <Brdf B, typename P> LightSample sample(const B& brdf, const P& proposal, Vec3f wv, Vec2f u, float selector) {
     LightSample result;
     if (!above_horizon(wv, wv)) return result;

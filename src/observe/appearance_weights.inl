@@ -5,8 +5,7 @@
 /// The value that appears bright on a display exposed for a picture is this quantile of f cosθl, weighted by cosθv.
 constexpr double k_bright_quantile = 0.75;
 
-/// A sum of f cosθl and a positive number is at least this fraction of that number, whatever noise below 0 it
-/// contains.
+/// A sum of f cosθl and a positive number is at least this fraction of that number, whatever noise below 0 it contains.
 constexpr double k_least_left = 0.1;
 
 /// f cosθl + s, where s is that of `Objective::appearance`.

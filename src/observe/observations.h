@@ -89,8 +89,7 @@ struct Observations {
     std::vector<Vec3f> wl, wv;
     std::vector<Rgb> f;          ///< [1/sr], ≥ 0
     std::vector<double> weight;  ///< w ≥ 0; a fit minimises Σ w |f−f̂|², scaled so that Σ w |f|² = 1
-    /// The last `bound_pairs` pairs only bound a fit from above: they join the sum only if the fit exceeds them by
-    /// far.
+    /// The last `bound_pairs` pairs only bound a fit from above: they join the sum only if the fit exceeds them by far.
     std::size_t bound_pairs = 0;
     Objective objective = Objective::raw;     ///< the objective of the weights
     double typical = 0;                       ///< the value of f or f cosθl to which the weights are relative
@@ -161,9 +160,8 @@ Result<double> valid_theta(Objective objective, double max_theta);
 /// their weights make sums over them estimate the objective's integrals over both caps. A pair that is chosen
 /// several times becomes one observation.
 ///
-/// An eighth are *horizon pairs*: pairs between θmax and 89.9°, and of the grid up to that angle, with small
-/// weights proportional to (cosθl cosθv)². They keep the fit at the measurement's order of magnitude where it is
-/// not fitted.
+/// An eighth are *horizon pairs*: pairs between θmax and 89.9°, and of the grid up to that angle, with small weights
+/// proportional to (cosθl cosθv)². They keep the fit at the measurement's order of magnitude where it is not fitted.
 ///
 /// The *bound pairs* follow: the grid, which includes the edges of the hemisphere, 32,768 pairs around the mirror
 /// direction, and for appearance `brink_grid`.

@@ -11,12 +11,10 @@ namespace SRBF_NAMESPACE {
 /// cosθv vanishes.
 inline constexpr double k_horizon_theta = 89.9 * k_degree;
 
-/// The golden angle π(3 − √5) [rad], rounded. Multiples of it spread evenly over all azimuths, whatever their
-/// number.
+/// The golden angle π(3 − √5) [rad], rounded. Multiples of it spread evenly over all azimuths, whatever their number.
 inline constexpr double k_golden_angle = 2.4;
 
-/// Number of bound pairs of a table around the mirror direction: enough to find a lobe between the nodes of the
-/// grid.
+/// Number of bound pairs of a table around the mirror direction: enough to find a lobe between the nodes of the grid.
 inline constexpr std::size_t k_mirror_pairs = 32768;
 
 struct DirectionPair {

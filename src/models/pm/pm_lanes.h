@@ -21,8 +21,7 @@ class PmLanes {
     int lobes() const { return lobes_; }
     int variates() const { return variates_; }  ///< including padding
 
-    /// The number of variates including padding with bandwidth 0, so that few numbers of variates need compiled
-    /// code.
+    /// The number of variates including padding with bandwidth 0, so that few numbers of variates need compiled code.
     static constexpr int padded_variates(int variates, bool axial) {
         if (!axial) return variates <= 4 ? 4 : 8;
         return variates <= 4 ? variates : variates <= 6 ? 6 : 8;

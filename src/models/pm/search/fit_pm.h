@@ -18,8 +18,7 @@ struct PmFitOptions {
     bool axial = true;  ///< only centres at +z or −z, sufficient for isotropic data
     int lobes = 8;      ///< J, 1..k_most_fitted_lobes
     int variates = 4;   ///< N, 1..k_most_variates
-    /// Upper bound 1/finest² on bandwidths, and 1/finest [1/rad] on the other weights; 0: the range of 16-bit
-    /// floats.
+    /// Upper bound 1/finest² on bandwidths, and 1/finest [1/rad] on the other weights; 0: the range of 16-bit floats.
     double finest = 0;
     /// Number of starts: independent growths of J lobes. The stages in fit_pm.cpp say how many of them continue. None:
     /// `starts_of`.
@@ -85,8 +84,7 @@ inline bool has_short_search(const PmFitOptions& options) {
     return is_reciprocal(options.form) && starts_of(options) >= k_many_starts;
 }
 
-/// `options` with at most this many starts and perturbations, for a quick fit that estimates the result of a full
-/// one.
+/// `options` with at most this many starts and perturbations, for a quick fit that estimates the result of a full one.
 inline PmFitOptions quick_options(PmFitOptions options, int starts, int perturbations) {
     options.starts = std::min(starts_of(options), starts);
     options.perturbations = std::min(perturbations_of(options), perturbations);

@@ -74,8 +74,7 @@ struct Rows {
 
   private:
     void add_views(const std::vector<ObservedView>& views);
-    /// Fills row i for these directions. `factor` is √w, or its replacement in a sum; f(c) is the value of channel
-    /// c.
+    /// Fills row i for these directions. `factor` is √w, or its replacement in a sum; f(c) is the value of channel c.
     template <typename Value> void set(std::size_t i, Vec3f l, Vec3f v, double factor, const Value& f);
 };
 

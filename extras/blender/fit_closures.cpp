@@ -36,7 +36,7 @@ struct Layout {
 /// differences between knots.
 class ClosureProblem {
   public:
-    /// `progress` hears of each of `linearisations`, their largest number.
+    /// `progress` receives each linearisation; `linearisations` is their largest number.
     ClosureProblem(const std::vector<MatchedView>& views, Layout layout, int threads, ProgressToken progress = {},
                    int linearisations = 1)
         : views_(views),
@@ -401,7 +401,7 @@ Eigen::VectorXd extended(const std::vector<MatchedView>& views, Layout before, c
     return longer;
 }
 
-/// The unknowns with a further term, the one with which the best weights of all terms match the views best.
+/// The unknowns with a further term. It is the term with which the views are matched best, if all weights are optimal.
 Eigen::VectorXd with_term(const std::vector<MatchedView>& views, Layout before, const Eigen::VectorXd& x, int threads) {
     ClosureProblem problem(views, before, threads);
     problem.set(x);
@@ -505,7 +505,7 @@ Result<ClosureSum> fit_closures(const Evaluate& f, const ClosureFitOptions& opti
     const auto steps_of = [&](int k) {
         return (k + 1 < options.terms ? 30 : 80) / (options.ramp > 1 ? 2 : 1);  // a ramp makes them slower
     };
-    // The times when each term is fitted, in proportion: a step takes longer with more terms.
+    // The fractions of the time at which the fit of each term begins: a step takes longer with more terms.
     std::vector<double> times{0};
     for (int k = 0; k < options.terms; ++k) times.push_back(times.back() + (k + 1) * steps_of(k));
     Eigen::VectorXd x = Eigen::VectorXd::Zero(Eigen::Index(layout.knots * layout.width()));

@@ -41,8 +41,8 @@ std::vector<Lighting> extended_lights() {
             surrounded(0.3, {lamp(65, 9, 30)}), surrounded(0.08, {lamp(90, 25, 6)})};
 }
 
-/// A view without pixels. Directions without a measurement are left out. Of a channel that reflects more than all
-/// light, as tables do towards the horizon, the values are divided by its albedo.
+/// A view without pixels. Directions without a measurement are left out. If a channel reflects more than all light, as
+/// in tables towards the horizon, its values are divided by its albedo.
 MatchedView matched_view(const Evaluate& f, double theta, double azimuth, int count) {
     MatchedView view{theta,
                      elementary::sin(theta) * elementary::cos(theta) + k_grazing_weight,

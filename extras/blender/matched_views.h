@@ -16,7 +16,7 @@ struct MatchedPixel {
     double share;                     ///< weight of the pixel in the loss
     Colour colour{}, limit{}, itp{};  ///< the measurement's colour; the limit of `shown`
 };
-/// The pixels of all lights at points of the sphere with one θv. The frame is that of `ClosureTerm`.
+/// The pixels of all lights at points of the sphere with one θv. The frame is the same as for `ClosureTerm`.
 struct MatchedView {
     double theta, weight;
     Vec3d wv;

@@ -178,8 +178,8 @@ Peak peak_of(const KlemsTable& table, std::size_t i) {
     return peak;
 }
 
-/// Which incident patches have a beam. All patches of a ring have one if the sums over the ring show a beam;
-/// otherwise each patch decides for itself.
+/// Returns, for each incident patch, whether it has a beam. All patches of a ring have one if the sums over the ring
+/// show a beam; otherwise each patch is judged by itself.
 std::vector<bool> beam_patches(const KlemsTable& table) {
     const AngleBasis& in = table.incident;
     std::vector<bool> is_beam;

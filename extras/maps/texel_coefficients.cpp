@@ -233,7 +233,7 @@ class BlockSolver {
     Solution complete_, constrained_;
 };
 
-/// Makes the largest f cosθl cosθv of a texel unknown.
+/// Sets the value with the largest f cosθl cosθv of a texel to NaN.
 void leave_out_largest(const SharedPairs& pairs, std::span<Rgb> f) {
     std::size_t largest = 0;
     double most = -1;

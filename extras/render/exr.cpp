@@ -175,7 +175,7 @@ Result<Done> check_exr_header(std::span<const std::byte> start, std::uint64_t si
     const auto text = as_text(start.first(std::min(start.size(), k_most_header)));
     std::size_t end = 0;
     const auto header = attributes(text, end);
-    // The library would allocate the size that an attribute declares.
+    // Otherwise the library would allocate the size that an attribute declares.
     if (!header) return Error{file_name, end, "header", fmt::format("at most {} bytes", text.size()), "more"};
     const auto window = numbers<std::int32_t, 4>(*header, "dataWindow");
     if (!window) return Done{};

@@ -34,10 +34,9 @@ struct Page {
     std::string mesh_name;
 };
 
-/// The page: HTML in UTF-8 without external references. Its shaders are those of `shader_text` in OpenGL ES 3.0;
-/// the page displays their text and compiles it. The initial picture shows `mesh`, or `page_mesh("ball")`, from
-/// `Viewpoint{}` under `k_three_lights`, with the automatic_exposure of the sphere of the first material with a
-/// picture.
+/// The page: HTML in UTF-8 without external references. Its shaders come from `shader_text` in OpenGL ES 3.0; the page
+/// displays their text and compiles it. The initial picture shows `mesh`, or `page_mesh("ball")`, from `Viewpoint{}`
+/// under `k_three_lights`, with the automatic_exposure of the sphere of the first material with a picture.
 std::string page_html(const Page& page);
 
 /// The automatic_exposure of a sphere under `k_three_lights`.

@@ -34,7 +34,7 @@ class Texels {
     /// after the other, the one whose cube roots differ most from all that were chosen. Values that no other texel is
     /// near are NaN. Returns an error if a texel cannot be read.
     Result<std::vector<Rgb>> spanning(const SharedPairs& pairs, std::size_t most) const;
-    /// A line on such numbers, of the first texel that was read and has them; empty if none has.
+    /// A line about numbers that stand for no value, from the first texel that has some; empty if none has.
     const std::string& note() const { return note_; }
 
   private:

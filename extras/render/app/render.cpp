@@ -225,7 +225,7 @@ int RenderCommand::run() const {
     return status_of(write_pictures(*pictures, reference, captions, *this));
 }
 
-/// "WxH", each from 1 to `k_most_pixels`.
+/// The largest width and height in "WxH".
 constexpr int k_most_pixels = 8192;
 Check size_in_pixels(int& width, int& height) {
     return [&](std::string& text) -> std::string {

@@ -31,10 +31,10 @@ struct SharedPairs {
 /// loss of pairs and albedos of material t (docs/fitting.md) with its own best coefficients. r_t is √L_t of the
 /// current fit, at least a tenth of the largest, so that the sum of roots falls with the sum.
 ///
-/// Lobes are added in sixteen groups. Each lobe is the one of 256 random ones that would lower the sum most. Then they
-/// follow all terms of the objectives, with bounds and pixels. The coefficients of a material
-/// minimise all terms of its own objective. The result is a row of the materials, whose `error` is their mean ΔE_ITP
-/// under `standard_lightings`.
+/// Lobes are added in sixteen groups. Each lobe is the one of 256 random ones that would lower the sum most. Then the
+/// lobes are improved by all terms of the objectives, with bounds and pixels. The coefficients of a material minimise
+/// all terms of its own objective. The result is a row of the materials, whose `error` is their mean ΔE_ITP under
+/// `standard_lightings`.
 ///
 /// Returns an error if there is no material, if one is of samples or two-sided, if an option is out of range, or if it
 /// is cancelled.
@@ -72,8 +72,8 @@ struct TexelCoefficients {
 /// `error` is √(Σ w |f−f̂|² / Σ w |f|²) of each texel with these coefficients, 0 for a black one and 1 if it failed.
 TexelCoefficients coefficients_of_texels(const TexelMap& map, const SharedPairs& pairs, std::span<const Rgb> f,
                                          int threads = 0);
-/// Texels that are sums of the map's texels, its materials, weighted by `shares` [T, materials] of at least 0; the
-/// error too.
+/// Texels that are sums of the map's texels, its materials, weighted by `shares` [T, materials] of at least 0. Their
+/// errors are the same sums.
 TexelCoefficients painted_texels(const TexelMap& materials, std::span<const float> shares);
 
 SRBF_END

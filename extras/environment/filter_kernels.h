@@ -26,7 +26,7 @@ class LevelKernel {
     double over_densities(double c, double other, double count) const {
         return scale_ * std::max(c, 0.0) / densities(c, other, count);
     }
-    /// The sum of that at two cosines, with one division.
+    /// The sum of `over_densities` at two cosines, with one division.
     double over_densities(double c0, double c1, double other, double count) const {
         const double D0 = densities(c0, other, count), D1 = densities(c1, other, count);
         return 0.5 * scale_ * ((c0 + std::abs(c0)) * D1 + (c1 + std::abs(c1)) * D0) / (D0 * D1);  // without branches

@@ -118,7 +118,7 @@ Vec3d error_weights(const Vec3d& radiance) {
     return {weight(radiance.x), weight(radiance.y), weight(radiance.z)};
 }
 
-/// Sets what the view reflects: its albedo, and the radiance under each light.
+/// Sets the light that the view reflects: its albedo, and the radiance under each light.
 void set_reflected(LitView& view, const Vec3d& total, const MatrixXd& radiances) {
     view.albedo = {float(total.x), float(total.y), float(total.z)};
     view.weight.resize(radiances.rows(), 3);

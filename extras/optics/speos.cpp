@@ -93,7 +93,7 @@ ScatterTable::Slice read_speos_slice(ScatterText& text, const SpeosSide& side, f
     return slice;
 }
 
-/// The factor for values whose own integral is `own`, where the file states the share of light `stated`.
+/// The factor for values whose integral is `own` if the file states the share of light `stated`.
 double speos_scale(double own, double stated) {
     return own > 0 && stated > 0 && !(std::abs(own - stated) <= k_same_percentage * stated) ? stated / own : 1;
 }

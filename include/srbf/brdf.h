@@ -41,7 +41,7 @@ inline void require_equal_lengths(std::size_t wl, std::size_t wv, std::size_t f)
     if (wl != wv || wl != f) misused("arrays of pairs: expected as many wl, wv and values");
 }
 
-/// `brdf` as an `Evaluate`. It keeps a reference to `brdf`, which must outlive it; a temporary it owns.
+/// `brdf` as an `Evaluate`. It keeps a reference to `brdf`, which must outlive it, or owns a temporary.
 template <Brdf B> Evaluate evaluator(const B& brdf) {
     return [&brdf](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
         require_equal_lengths(wl.size(), wv.size(), f.size());
@@ -65,11 +65,11 @@ struct Channels {
     std::size_t count() const { return wavelengths.empty() ? 3 : wavelengths.size(); }
 };
 
-// A BSDF answers for light and viewer on either side: z > 0 is the front, z < 0 the back. A BRDF is a BSDF that is 0
-// unless both are at the front. A BSDF consists of four parts. To a part both directions are above the horizon: those
-// at the back are mirrored at the surface, (x, y, z) → (x, y, −z). So light that passes straight through, wl = −wv,
-// comes to a part from the mirror direction, as it does in a reflection, and all that is known of BRDFs (models, their
-// bounds at the horizon, fits, sampling) holds for a part.
+// A BSDF has values for light and viewer on either side: z > 0 is the front, z < 0 the back. A BRDF is a BSDF that is 0
+// unless both are at the front. A BSDF consists of four parts. In the frame of a part both directions are above the
+// horizon: directions at the back are mirrored at the surface, (x, y, z) → (x, y, −z). So light that passes straight
+// through, wl = −wv, comes to a part from the mirror direction, as it does in a reflection, and all that is known of
+// BRDFs (models, their bounds at the horizon, fits, sampling) holds for a part.
 
 /// The parts of a BSDF, by the side of the light.
 enum class Part { reflection_front, reflection_back, transmission_front, transmission_back };

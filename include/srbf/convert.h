@@ -40,7 +40,7 @@ struct MbsdfOptions {
 };
 /// `brdf` at the samples of an `MbsdfTable`, as an isotropic material, with azimuth 0 of the light; not evaluated
 /// beyond 89.7°. The format has no mark for what is not measured: such a sample is the mean of its neighbours in θ_v
-/// and φ. `grey` if all channels of all samples are equal.
+/// and φ. It is `grey` if all channels of all samples are equal.
 MbsdfTable to_mbsdf(const Evaluate& brdf, const MbsdfOptions& options = {});
 
 /// `brdf` at all pairs of n directions of the Fibonacci set on the cap θ ≤ θmax [rad], without the pairs that were not
@@ -54,9 +54,9 @@ ScatteredSamples valid_samples(std::span<const Vec3f> wl, std::span<const Vec3f>
 /// The bytes of a MERL `.binary`. Cells without a measurement are −1. Reading them gives `table`.
 std::vector<std::byte> write_merl(const MerlTable& table);
 /// The bytes of an RGL `.bsdf` of an isotropic table with `jacobian`. It holds `rgb` and `luminance`, and for renderers
-/// that read only spectra also `spectra` at `wavelengths`, whose colours are these (`reflectance_spectrum`). Of a
+/// that read only spectra also `spectra` at `wavelengths`, whose colours are these (`reflectance_spectrum`). For a
 /// spectral table it holds the table's own spectra in place of `rgb`. Reading it gives `table` up to rounding. Without
-/// `spectra` it holds the colours alone, for renderers that would take the file for spectral.
+/// `spectra` it holds the colours alone, for renderers that would read the file as spectral otherwise.
 std::vector<std::byte> write_rgl(const RglTable& table, bool spectra = true);
 /// The bytes of an MBSDF file, version 1, with a block of reflection. Control characters in values of the metadata,
 /// other than line ends, become blanks. Reading it gives `table`. With

@@ -29,8 +29,9 @@ struct LobeCount {
     int lobes = row_of(k_default_form).lobes;
 };
 /// Chooses J. For a table it is the first of 2, 3, 4, 6, 9, 12, 16 and 24 for which pictures of a sphere have at most
-/// this mean ΔE_ITP (metrics.h) against what is fitted, or else 24. For samples it is the fewest of 2 to 12 lobes whose
-/// cross-validated error is within 3 % of the least, or, if their gaps are filled, the most that the samples determine.
+/// this mean ΔE_ITP (metrics.h) against the fitted function, or else 24. For samples it is the fewest of 2 to 12 lobes
+/// whose cross-validated error is within 3 % of the least, or, if their gaps are filled, the most that the samples
+/// determine.
 struct AutomaticLobes {
     std::optional<double> delta_e = {};  ///< (0, 100], of a table; none: k_default_delta_e
 };
@@ -172,7 +173,7 @@ struct Hemispherical {
 /// The fit of a part.
 struct PartFit {
     Part part = Part::reflection_front;
-    std::optional<Part> answered_by;  ///< the part that answers for it too; none: it has a model of its own
+    std::optional<Part> answered_by;  ///< the part whose model it uses; none: it has a model of its own
     bool black = false;               ///< all values are 0
     FitOutcome outcome;               ///< fit of the part's own model; a fit of patches has no errors of pictures
     /// Σ w (f − f̂)² / Σ w f², without beams: at pairs of directions within 80°, w both cosines,
@@ -189,12 +190,12 @@ struct BsdfOutcome {
     double most_measured = 0, most_fitted = 0;
 };
 
-/// Fits the parts of a two-sided measurement: those that are like their counterparts, with a squared error ratio of at
-/// most 1e-4, only once. A part is fitted like the measurement of a BRDF; patches are fitted to their sums. Beams are
+/// Fits the parts of a two-sided measurement. A part that equals its counterpart, with a squared error ratio of at most
+/// 1e-4, uses its model. A part is fitted like the measurement of a BRDF; patches are fitted to their sums. Beams are
 /// kept as they are. Returns an error if `fit` does, and for a measurement of one side.
 Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request, const ProgressToken& progress = {});
 
-/// Fits a BSDF that is given as functions in the parts' frames, none for those that are 0.
+/// Fits a BSDF that is given as functions in the parts' frames, null for parts that are 0.
 Result<BsdfOutcome> fit_bsdf(const std::array<Evaluate, k_parts>& parts, const FitRequest& request,
                              const ProgressToken& progress = {});
 

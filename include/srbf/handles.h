@@ -57,7 +57,7 @@ struct LoadedBrdf {
 /// nothing: `value`, `evaluate`, `pdf` and `albedo` are 0, and no sample has a direction.
 class PreparedBrdf {
   public:
-    /// Writes R, G, B of f_r and one number to spare to `colour`, which is aligned to 16 bytes.
+    /// Writes R, G, B of f_r and one unused number to `colour`, which is aligned to 16 bytes.
     using Value = void (*)(const void* brdf, const Vec3f& wl, const Vec3f& wv, float* colour);
     struct Contents;  ///< Value and the rest for one type of BRDF
     PreparedBrdf() = default;

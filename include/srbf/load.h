@@ -11,7 +11,7 @@ SRBF_BEGIN
 
 /// A measurement or a model.
 using AnyBrdf = std::variant<Measured, Model>;
-/// True if it is a BSDF, which answers on the front and the back (brdf.h).
+/// True if it is a BSDF, which has values on the front and the back (brdf.h).
 bool is_two_sided(const AnyBrdf& brdf);
 /// Reads a measurement or a model, recognised by its content. "FILE#X,Y" and "FILE#T" are texels of a map (map.h),
 /// unless there is a file of that name. `options` are for measurements. Returns an error if load_measured or load_model

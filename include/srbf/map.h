@@ -29,7 +29,7 @@ struct TexelMap {
 
 /// Texel t as a model of its own.
 Model texel(const TexelMap& map, std::size_t t);
-/// The texel that is named so: X,Y, or T.
+/// The index of the texel with the name "X,Y" or "T".
 std::optional<std::size_t> find_texel(const TexelMap& map, std::string_view name);
 
 /// The file has the tensors of a model file for the lobes, with `coefficient` [T,J,3] instead of [J,3], and

@@ -123,9 +123,9 @@ struct ScatteredSamples {
 void make_index(ScatteredSamples& samples);
 
 struct TableFunctions;
-/// A table that only its format reads: its values, and what else its format knows of it.
+/// A table of a type that only its format knows: its values, and functions of the format.
 struct EvaluatedTable {
-    /// f_r [1/sr] as `signed_value` has it: 0 below the horizon, NaN in every channel where nothing was measured
+    /// f_r [1/sr] as `signed_value` returns it: 0 below the horizon, NaN in every channel where nothing was measured
     Evaluate values;
     bool isotropic = true;
     std::shared_ptr<const void> own = {};  ///< the format's own table, a T, see `own_table`
@@ -207,7 +207,7 @@ enum class Quantity {
     cosine,  ///< corrected by the cosine, f cosθ_v [1/sr]
 };
 
-/// Statements about a file of samples, for what the file itself does not say.
+/// Statements about a file of samples that the file itself lacks.
 struct ReadOptions {
     /// Names of the columns of a file of numbers, as a CSV file has them, separated by blanks or commas. They replace
     /// the names in the file. An entry may also be a constant, such as phi_l_deg=180. If the text is empty or has

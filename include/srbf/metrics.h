@@ -66,7 +66,7 @@ struct Comparison {
     double albedo_error = 0;
     Appearance appearance = {};
     /// For fits to scattered samples, where `appearance` is against samples with gaps filled: the mean of the fits to
-    /// all folds but one, against the same. Where it is much larger, the samples do not determine the pictures.
+    /// all folds but one, against the same samples. Where it is much larger, the samples do not determine the pictures.
     std::optional<Appearance> heldout_appearance = {};
     /// For fits to scattered samples: ΔE_ITP of a picture with a pixel for each sample, f cosθl in directional light.
     double samples_delta_e = 0;
@@ -85,7 +85,7 @@ enum class Objective {
     // The next three are second-order approximations in f − f̂, with the mean of the channels in place of each channel:
     log,        ///< Σ (log(1 + f cosθl) − log(1 + f̂ cosθl))² cosθv
     cube_root,  ///< Σ (∛f − ∛f̂)²; where f is below a hundredth of its mean, with the weight at that value
-    /// Σ (log f − log f̂)² over what is above 0: an error of a tenth counts alike in the dark and in a peak
+    /// Σ (log f − log f̂)² over values above 0: an error of a tenth counts alike in the dark and in a peak
     relative,
     /// Errors of pictures: Σ (⁶√(f cosθl + s) − ⁶√(f̂ cosθl + s))² cosθv, s = k_dark_share times the upper quartile q
     /// of f cosθl; as much of Σ (∛(f cosθl + q) − ∛(f̂ cosθl + q))² √cosθv and 0.03 of cosine's sum, each scaled to Σ w

@@ -38,10 +38,10 @@ struct Model {
     AnyModel model;
     std::map<std::string, std::string> provenance;  ///< source file, options, errors, version
 };
-/// The kind of a model as its file has it: "bsdf", or the name in its request.
+/// The kind of a model as its file states it: "bsdf", or the name in its request.
 std::string_view kind(const Model& model);
 
-/// f(wl, wv); of a BSDF on either side, without the beams.
+/// f(wl, wv); for a BSDF on either side, without the beams.
 Rgb value(const Model& model, Vec3f wl, Vec3f wv);
 
 /// f[i] = value(model, wl[i], wv[i]), with the widest SIMD instructions of the machine. The spans have the same length.

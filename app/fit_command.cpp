@@ -51,7 +51,7 @@ void add_files(const Subcommand& sub, FitCommand& command, GivenOptions& options
                        .type_name("FILE");
 }
 
-/// Adds the options of how the measurement is read.
+/// Adds the options for reading the measurement.
 void add_data(const Subcommand& sub, FitCommand& command) {
     sub.add_flag("--exchange", command.fit.exchange,
                  "Exchange light and viewer of the measurement, as renderers do that use the first\n"

@@ -33,7 +33,7 @@ struct Facets {
 using FacetTerms = std::array<Facets, 2>;
 FacetTerms facets_of(const GgxModel& model);
 FacetTerms facets_of(const OpenPbrModel& model);
-/// Other BRDFs have none.
+/// Models without facets have none.
 template <typename Other> std::optional<FacetTerms> facets_of(const Other&) { return {}; }
 std::optional<FacetTerms> facets_of(const Model& model);
 template <typename... Kinds> std::optional<FacetTerms> facets_of(const std::variant<Kinds...>& any) {
@@ -79,7 +79,7 @@ class MixtureProposal {
 };
 /// The selector chooses a lobe, and u a direction of it. The domain is the same for every proposal, above.
 Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector);
-/// Is 0 if wl.z or wv.z is 0, negative or subnormal.
+/// The density; 0 if wl.z or wv.z is 0, negative or subnormal.
 float pdf(const MixtureProposal& proposal, Vec3f wl, Vec3f wv);
 /// A direction and its density [1/sr], as `sample` and `pdf` return them. If there is no direction, wl.z ≤ 0 and
 /// pdf is 0.

@@ -52,8 +52,8 @@ std::string identifier(std::string_view text);
 ///   Vec3 NAME_bsdf(Vec3 wl, Vec3 wv)   f [1/sr] without beams; 0 where wl or wv lies in the surface
 ///   Vec3 NAME_beam(Vec3 wv)            the share of the light from -wv that passes unscattered; only if it has such
 ///   Vec3 NAME_mirror_beam(Vec3 wv)     the share of the light from the mirror direction; only if it has such
-///   Vec3 NAME_sample, float NAME_pdf   as above for the front and the back, without beams; (0, 0, 0) where the draw has
-///                                      none. They include the albedos of the parts.
+///   Vec3 NAME_sample, float NAME_pdf   as above for the front and the back, without beams; (0, 0, 0) if the draw has
+///                                      no direction. They include the albedos of the parts.
 /// With `blend` the text also has PREFIX_brdf, and PREFIX_sample, PREFIX_pdf and PREFIX_albedo where models have
 /// theirs, with a last argument `Vec3 weights`: of a point, the shares of the first, second and third model, at least
 /// 0. PREFIX_brdf and PREFIX_albedo are the sums of the models' own by these weights; a sample is drawn from one of the

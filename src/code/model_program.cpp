@@ -19,7 +19,7 @@ namespace {
 using syntax::Program;
 using syntax::Table;
 
-/// Exponents of models are to the base e, those of kernel.glsl to the base 2.
+/// Exponents of models are to the base e, exponents of kernel.glsl to the base 2.
 constexpr const char* k_log2_e = "1.4426950408889634";
 constexpr const char* k_half_log2_e = "0.7213475204444817";
 

@@ -25,8 +25,8 @@ struct Language {
     bool is_c = false;          ///< typedef struct, casts, and numbers for true and false
     std::string_view vector = {};          ///< the constructor of Vec3, if it is not the type's name
     bool has_operators = true;             ///< vectors have operators; if not, there are functions, also for tables
-    std::string_view functions = "srbf_";  ///< the prefix of those
-    bool has_lanes = false;                ///< a number is a vector of them
+    std::string_view functions = "srbf_";  ///< the prefix of these functions
+    bool has_lanes = false;                ///< a number is a vector of numbers
     bool reads_buffers = true;             ///< functions can read what the host supplies without parameters for it
 };
 

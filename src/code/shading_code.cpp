@@ -37,7 +37,7 @@ Names map_entries(const CodeOptions& options, const AddedCode& added) {
     return names;
 }
 
-/// Returns the definitions that native ones of models require.
+/// Returns the definitions that native functions of models require.
 std::string lanes_text(std::span<const NamedModel> models, const CodeOptions& options) {
     const auto is_pm = [](const NamedModel& named) { return std::holds_alternative<PmModel>(named.model->model); };
     if (options.language != CodeLanguage::c || !(options.sampling || std::ranges::any_of(models, is_pm))) return "";

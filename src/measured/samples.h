@@ -51,11 +51,11 @@ class SampleBuilder {
 
 /// Masks numbers that stand for no value in a measurement, such as −999, in rows of `width` numbers: sets every number
 /// of their rows to NaN. Such a number is
-/// * the least of all, if it is below 0, an integer or in several rows, ten times as far below 0 as other rows' numbers,
-///   and either twice as far from 0 as the median of positive ones or an integer among fractions. A row with a number
-///   as large has a saturated colour instead;
-/// * the largest of all, if several rows have it, it is an integer of nines or the largest of a type (9999, 65535), and it
-///   is twice as large as other rows' numbers.
+/// * the least of all, if it is below 0, an integer or in several rows, ten times as far below 0 as numbers of other
+///   rows, and either twice as far from 0 as the median of positive ones or an integer among fractions. A row with a
+///   number as large has a saturated colour instead;
+/// * the largest of all, if several rows have it, it is an integer of nines or the largest of a type (9999, 65535), and
+///   it is twice as large as numbers of other rows.
 /// The numbers are in the unit of their file. `notes`: receives a line for each of them.
 void mask_missing(std::span<float> rows, std::size_t width, std::vector<std::string>* notes = nullptr);
 

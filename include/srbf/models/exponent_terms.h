@@ -50,7 +50,7 @@ inline constexpr std::array<FormRow, 4> k_form_rows{{
     {PmForm::extended, "extended", "extended", 4, false, 8, 4, "also powers of cosines and three further factors"},
     {PmForm::reciprocal, "reciprocal", "reciprocal", 4, true, 9, 3, "also the mean with light and viewer exchanged"},
 }};
-/// The form of a fit by default, of a table.
+/// The default form of a fit to a table.
 inline constexpr PmForm k_default_form = PmForm::reciprocal;
 inline constexpr auto k_forms = [] {
     std::array<PmForm, k_form_rows.size()> forms{};
@@ -73,7 +73,7 @@ constexpr int features(PmForm form) { return int(row_of(form).terms); }
 constexpr bool is_reciprocal(PmForm form) { return row_of(form).is_reciprocal; }
 constexpr std::string_view name(PmForm form) { return row_of(form).name; }
 constexpr std::string_view stored_name(PmForm form) { return row_of(form).stored; }
-/// Accepts either name.
+/// The form with this name, the one in text or the stored one.
 constexpr std::optional<PmForm> form_named(std::string_view text) {
     for (const FormRow& row : k_form_rows)
         if (row.name == text || row.stored == text) return row.form;

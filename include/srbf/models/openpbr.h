@@ -22,7 +22,7 @@ struct OpenPbrModel {
     float specular_roughness = 0.3f;   ///< the root of α
     float specular_ior = 1.5f;
     float coat_weight = 0;
-    Rgb coat_color{1, 1, 1};  ///< passes twice through the coat
+    Rgb coat_color{1, 1, 1};  ///< colour of light that passes twice through the coat
     float coat_roughness = 0;
     float coat_ior = 1.6f;
     float coat_darkening = 1;  ///< share of the light lost between base and coat
@@ -34,7 +34,7 @@ struct OpenPbrModel {
     float thin_film_ior = 1.4f;
     float specular_roughness_anisotropy = 0;  ///< see `openpbr_anisotropic_value` of kernel.glsl
     float specular_rotation = 0;  ///< angle from x to y of the tangent, along which facets are rougher [turns]
-    bool is_exchanged = false;    ///< light and viewer: ρ(wl, wv) is the formula's of (wv, wl)
+    bool is_exchanged = false;    ///< true if light and viewer are exchanged: ρ(wl, wv) is the formula at (wv, wl)
     friend bool operator==(const OpenPbrModel&, const OpenPbrModel&) = default;
 };
 
@@ -45,12 +45,12 @@ enum class OpenPbrSurfaceKind {
     principled,  ///< Blender's Principled BSDF
 };
 
-/// A request for its fit.
+/// A request for the fit of a surface.
 struct OpenPbrRequest {
     using Model = OpenPbrModel;
     static constexpr std::string_view k_name = "openpbr";
     static constexpr std::string_view k_about = "a surface by the parameters of OpenPBR, which renderers share";
-    OpenPbrSurfaceKind surface = {};  ///< whose parameters are fitted; others keep their defaults
+    OpenPbrSurfaceKind surface = {};  ///< the surface whose parameters are fitted; others keep their defaults
 };
 
 /// ρ(wl, wv) in single precision; 0 below the horizon.

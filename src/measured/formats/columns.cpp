@@ -147,7 +147,7 @@ struct ValueNames {
     std::string_view kinds;
     bool is_lesser = false;  ///< beside other values, a stage's position, or a part of the light
 };
-/// In order of preference.
+/// The names of values in the order of preference.
 constexpr ValueNames k_values[] = {
     {Values::rgb, Quantity::bsdf, "r g b,red green blue,brdfr brdfg brdfb,fr fg fb"},
     {Values::grey, Quantity::bsdf, "value,brdf,bsdf,btdf,f,fr"},

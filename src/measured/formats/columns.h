@@ -17,8 +17,8 @@ struct AngleColumn {
     AngleUnit unit_or_degrees() const { return unit.value_or(k_in_degrees); }
 };
 
-/// The angles of `Columns` after θ_l, φ_l, θ_v, φ_v: that between light and viewer, and that from the mirror direction
-/// to the viewer, in the plane of incidence towards the light.
+/// The angles of `Columns` after θ_l, φ_l, θ_v, φ_v: the phase angle between light and viewer, and the aspecular angle
+/// from the mirror direction to the viewer, in the plane of incidence towards the light.
 inline constexpr std::size_t k_phase = 4, k_aspecular = 5;
 constexpr AngleKind kind_of_angle(std::size_t a) { return a < 4 ? k_angle_kinds[a] : AngleKind::polar; }
 

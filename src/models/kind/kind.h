@@ -13,9 +13,9 @@ namespace SRBF_NAMESPACE {
 ///   std::string summary(const M&), void add_rows(std::string& text, const M&), Parameters members(const M&),
 ///   Parameters parameters(const M&), std::string formula_text(const M&, const NumberText&)   as in
 ///                                                      models/kind/parameters.h
-///   bool matches(const ParameterReader&)                 true if the parameters are of this kind, by a name that no kind
-///                                                      before it in `AnyModel` has
-///   M from_parameters(ParameterReader&)                        the inverse of `parameters`
+///   bool matches(const ParameterReader&)               true if the parameters are of this kind, by a name that no
+///                                                      kind before it in `AnyModel` has
+///   M from_parameters(ParameterReader&)                the inverse of `parameters`
 /// A kind that is a list of numbers inherits all of these that it does not have from `KindOfNumbers` (numbers.h).
 /// A kind that is fitted to observations alone also has, with R its request,
 ///   Result<Fitted<M>> fit(const Observations&, const R&, const FitConditions&, const ProgressToken&)

@@ -37,8 +37,8 @@ struct RasterView {
     double aspect = 4.0 / 3;
     std::span<const DirectionalLight> lights;  ///< the lights, whose number the material's text has
     float exposure = 1;                        ///< exposure of PixelOutput::shown
-    /// True: back faces are drawn, which open surfaces need. Without them a frame of a scanned mesh takes two
-    /// thirds of the time.
+    /// If true, back faces are drawn, which open surfaces need. Without them a frame of a scanned mesh takes two thirds
+    /// of the time.
     bool back_faces = true;
 };
 
@@ -120,11 +120,11 @@ class RasterTarget {
     /// A target of `samples` per pixel, or as many as OpenGL supports. Returns an error if it is larger than OpenGL's
     /// framebuffers, or if float formats cannot be rendered to.
     static Result<RasterTarget> make(int width, int height, int samples, Format format);
-    /// For the second pass over `surface`, with the same size and depths, one sample per pixel and bytes. Must not
-    /// outlive it.
+    /// A target for the second pass over `surface`, with its size and depths, one sample per pixel and bytes. It must
+    /// not outlive the surface.
     static Result<RasterTarget> make_for(const RasterSurface& surface);
     /// Binds the framebuffer, sets its viewport and clears it to 0 without coverage, or to the grey background of
-    /// `shown` pictures. Depths are cleared only if they are its own.
+    /// `shown` pictures. Depths are cleared only if the target owns them.
     void begin() const;
     /// The picture with its samples averaged: rows from the top, RGBA.
     std::vector<Float4> read_floats() const;

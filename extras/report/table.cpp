@@ -89,7 +89,7 @@ Rows by_visible_error(const Tables& tables) {
 
 namespace {
 
-/// The columns of all measures, on both sets of pairs, and of albedo.
+/// The columns of all measures over both sets of pairs, and of the albedo error.
 std::vector<std::string> measure_columns(const std::string& prefix) {
     std::vector<std::string> columns;
     for_measures({}, [&](const std::string& name, double) { columns.push_back(prefix + name); });

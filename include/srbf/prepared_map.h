@@ -19,7 +19,7 @@ class PreparedMap {
     std::shared_ptr<const Contents> contents_;
 };
 
-/// Takes approximately 0.1 s per lobe.
+/// Prepares a map, in approximately 0.1 s per lobe.
 PreparedMap prepare_map(const TexelMap& map, const ProposeOptions& options = {});
 /// The BRDF at (u, v) of the map, which repeats. Its coefficients are interpolated between the four nearest texels
 /// (bilinear), where texel X, Y is at ((X + ½) / width, (Y + ½) / height). It is sampled by a mixture. Its weights at

@@ -1,4 +1,4 @@
-// Files of one sample, as a goniometer writes one an incidence, as one.
+// Joins files of one sample, such as a goniometer's files for single incidences.
 #include <fmt/ranges.h>
 
 #include <map>

@@ -66,8 +66,9 @@ bool lacks_azimuth(const Measured& measured, Vec3f wl, Vec3f wv) {
            !std::holds_alternative<ScatteredSamples>(measured.table);
 }
 
-/// The mean of what look_up(wl, wv, f) sets over all azimuths of a direction that lacks one, which is turned to each,
-/// nearer to the normal than rounding. Where one was not measured, it is what the pair itself has.
+/// The mean of the values that look_up(wl, wv, f) sets, over all azimuths of a direction that has none. The direction
+/// is moved to each azimuth by less than rounding. If a value was not measured, the result is the value of the pair
+/// itself.
 template <typename LookUp> void look_up_mean(Vec3f wl, Vec3f wv, std::span<float> f, const LookUp& look_up) {
     constexpr int k_turns = 16;
     look_up(wl, wv, f);

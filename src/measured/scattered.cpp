@@ -180,7 +180,7 @@ Blend blend(const ScatteredSamples& samples, Vec3f wl, Vec3f wv) {
     return blend;
 }
 
-/// The weights of f_r: those of f A times ((1 − t) / A + t / Ā), see `ScatteredSamples`.
+/// The weights of f_r: the weights of f A times ((1 − t) / A + t / Ā), see `ScatteredSamples`.
 Blend blend_of_values(const ScatteredSamples& samples, Vec3f wl, Vec3f wv) {
     constexpr double ridge = 0.01, rounding = 1e-12;
     Blend blend = srbf::blend(samples, wl, wv);

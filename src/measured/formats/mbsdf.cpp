@@ -112,7 +112,7 @@ AngleNodes angle_nodes(float position, std::uint32_t n) {
     return {i, std::min(i + 1, n - 1), clamped - float(i)};
 }
 
-/// Reads the block of reflection, and that of transmission if there is one.
+/// Reads the block of reflection, and the block of transmission if there is one.
 Result<std::vector<MbsdfTable>> read_blocks(std::span<const std::byte> bytes, const std::string& file_name) {
     const StandardArithmetic mode;
     Cursor file{as_text(bytes), file_name};

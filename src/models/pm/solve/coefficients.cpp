@@ -38,7 +38,7 @@ void Coefficients::fit_to_pixels(const Eigen::MatrixXd& products, const PixelTer
         const Eigen::VectorXd current = beta.reshaped();
         Eigen::VectorXd direction =
             bounded_least_squares(terms.H, terms.H * current - terms.g, limit.reshaped()) - current;
-        // The colours of pixels treat channels differently; those of grey data have the mean of their steps.
+        // The colours of pixels treat channels differently; channels of grey data have the mean of their steps.
         if (are_equal_columns(products.topRightCorner(J, C)))
             direction = direction.reshaped(J, C).rowwise().mean().replicate(1, C).reshaped().eval();
         const double predicted = -2 * direction.dot(terms.g) - direction.dot(terms.H * direction);

@@ -75,7 +75,7 @@ struct SecondOrder {
         Eigen::VectorXd current = x;
         Eigen::MatrixXd damped = H;
         damped.diagonal() += damping * H.diagonal().cwiseMax(1e-8 * H.diagonal().maxCoeff());
-        // How the variables that may still move follow when one of them is moved.
+        // The change of the variables that may still move, per change of one of them.
         Eigen::MatrixXd inverse = damped.ldlt().solve(Eigen::MatrixXd::Identity(x.size(), x.size()));
         const auto round = [&](Eigen::Index first, Eigen::Index count) {
             const Eigen::VectorXd error = (pack(round_to_halves(current, shape)) - current).segment(first, count);

@@ -78,7 +78,8 @@ class ProgressLine {
   public:
     ~ProgressLine() { clear(); }
     void show(std::string_view stage, double fraction);
-    /// Shows what a function of the library reports, and never cancels it. This object must outlive the function.
+    /// Shows the progress that a function of the library reports, and never cancels it. This object must outlive the
+    /// function.
     auto shown_progress() {
         return [this](const Progress& now) { return show(now.stage, now.fraction), true; };
     }

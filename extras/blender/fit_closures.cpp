@@ -524,7 +524,7 @@ Result<ClosureSum> fit_closures(const Evaluate& f, const ClosureFitOptions& opti
         problem.set_linear_from(1);
         const double loss =
             levenberg_marquardt(problem, x, {.max_iterations = steps, .decrease_tolerance = k_tolerance}).loss;
-        if (loss < least) least = loss, best = problem.sum(x);  // a further term can harm what is matched already
+        if (loss < least) least = loss, best = problem.sum(x);  // a further term can raise the loss
     }
     limit_albedos(best, options.threads);
     return best;

@@ -129,7 +129,7 @@ bool is_peak_of_beam(double value, double around, double typical) {
 
 namespace {
 
-/// The neighbours of a patch: those in its ring, and those at its azimuth in adjacent rings. A ring of fewer than
+/// The neighbours of a patch: patches in its ring, and patches at its azimuth in adjacent rings. A ring of fewer than
 /// three patches counts the patches of the next ring as its own.
 struct Neighbours {
     std::vector<std::size_t> in_ring, all;

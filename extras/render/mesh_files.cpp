@@ -233,7 +233,7 @@ class PlyReader {
             rest.empty() || encoding_ != Encoding::ascii ? "the end of the file" : quoted(next_word(rest, k_blanks)));
     }
 
-    /// Reads the rows of an element: vertices, the corners of faces, or what is skipped.
+    /// Reads the rows of an element: vertices, the corners of faces, or rows to skip.
     Result<Done> read_rows(const Element& element) {
         const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
         std::uint64_t least_row = 0;  // its scalars and the lengths of its lists

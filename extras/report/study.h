@@ -20,7 +20,7 @@ struct StudyOptions {
     Sweep sweep = Sweep::whole;
     std::string mesh = "knot";  ///< the mesh of the second picture; see `load_mesh`
     bool z_up = false;
-    int threads = 1;            ///< per fit and picture
+    int threads = 1;            ///< number of threads of each fit and picture
     int jobs = 1;               ///< number of materials processed at the same time
     std::string settings = {};  ///< the options on the command line that a study depends on, for its key
 };

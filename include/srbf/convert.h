@@ -39,8 +39,8 @@ struct MbsdfOptions {
     int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
 };
 /// `brdf` at the samples of an `MbsdfTable`, as an isotropic material, with azimuth 0 of the light; not evaluated
-/// beyond 89.7°. The format has no mark for what is not measured: such a sample is the mean of its neighbours in θ_v
-/// and φ. It is `grey` if all channels of all samples are equal.
+/// beyond 89.7°. The format has no mark for values that were not measured: such a sample is the mean of its neighbours
+/// in θ_v and φ. It is `grey` if all channels of all samples are equal.
 MbsdfTable to_mbsdf(const Evaluate& brdf, const MbsdfOptions& options = {});
 
 /// `brdf` at all pairs of n directions of the Fibonacci set on the cap θ ≤ θmax [rad], without the pairs that were not
@@ -59,8 +59,8 @@ std::vector<std::byte> write_merl(const MerlTable& table);
 /// `spectra` it holds the colours alone, for renderers that would read the file as spectral otherwise.
 std::vector<std::byte> write_rgl(const RglTable& table, bool spectra = true);
 /// The bytes of an MBSDF file, version 1, with a block of reflection. Control characters in values of the metadata,
-/// other than line ends, become blanks. Reading it gives `table`. With
-/// `transmission` a block of it follows, of which the metadata do not matter.
+/// other than line ends, become blanks. Reading it gives `table`. With `transmission` a block of it follows, whose
+/// metadata are ignored.
 std::vector<std::byte> write_mbsdf(const MbsdfTable& table, const MbsdfTable* transmission = nullptr);
 /// CSV with a row per sample: wl_x .. wv_z, then r,g,b, or a spectrum in columns such as 450nm.
 /// Reading it gives `samples`. Once cancelled it ends early.

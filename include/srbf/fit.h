@@ -43,8 +43,8 @@ struct PmRequest {
     static constexpr std::string_view k_name = "pm";
     static constexpr std::string_view k_about = "parameterized multivariate SRBFs, one sum of lobes for the whole BRDF";
     /// The form of a lobe. If it is not set, a table is fitted by `reciprocal`, and samples, light that passes through
-    /// a surface and patches of directions by `extended`. A reciprocal form is fitted to the mean of what reached the
-    /// instrument, (cosθv f(ωl, ωv) + cosθl f(ωv, ωl)) / (cosθv + cosθl).
+    /// a surface and patches of directions by `extended`. A reciprocal form is fitted to the mean of the signals that
+    /// reached the instrument, (cosθv f(ωl, ωv) + cosθl f(ωv, ωl)) / (cosθv + cosθl).
     std::optional<PmForm> form = {};
     std::optional<int> variates = {};  ///< N, 1..k_most_variates; none: `FormRow::variates`
     std::optional<PmSize> size = {};   ///< none: `FormRow::lobes` for a table, automatic for samples

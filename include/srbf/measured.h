@@ -110,11 +110,11 @@ struct ScatteredSamples {
     std::vector<Vec3f> wl, wv;       ///< unit vectors, above the horizon
     std::vector<Rgb> colour;         ///< f_r [1/sr] of each sample, negative channels not yet clamped
     std::vector<float> spectrum;     ///< f_r [1/sr], samples × wavelengths
-    std::vector<float> weight;       ///< what each counts in a fit, by its uncertainty; empty: 1
+    std::vector<float> weight;       ///< weight of each in a fit, by its uncertainty; empty: 1
     std::uint64_t masked = 0;  ///< samples of the file that were dropped: not finite, below the horizon, or −999
     /// search structure for `value`; `make_index` builds it from wl, wv and colour
     std::shared_ptr<const SampleIndex> index;
-    std::vector<std::string> notes;  ///< what its reader masked or assumed beyond the format, a line each
+    std::vector<std::string> notes;  ///< a line for each thing that the reader masked or assumed
     /// solid angle [sr] of the detector's aperture, at a wavelength [nm]; empty: not stated
     std::vector<std::array<float, 2>> receiver;
 };

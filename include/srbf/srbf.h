@@ -12,10 +12,11 @@
 
 SRBF_BEGIN
 
-// Two types hold what functions take and return: a LoadedBrdf is a measurement or a fitted model, as it was read, and a
-// PreparedBrdf is a BRDF ready for a renderer. Copies of either share their content, which `content` of load.h returns
-// for a LoadedBrdf. Both may be members that are assigned later. Until then a PreparedBrdf is black, with the density
-// 0, and a LoadedBrdf has no content: a function that reads it ends the program with a line and abort().
+// Two types hold the arguments and results of functions: a LoadedBrdf is a measurement or a fitted model, as it was
+// read, and a PreparedBrdf is a BRDF ready for a renderer. Copies of either share their content, which `content` of
+// load.h returns for a LoadedBrdf. Both may be members that are assigned later. Until then a PreparedBrdf is black,
+// with the density 0, and a LoadedBrdf has no content: a function that reads it ends the program with a line and
+// abort().
 
 // ---- Files ----
 
@@ -62,9 +63,9 @@ struct LightSample {
 };
 
 /// Prepares a model or a measurement, and the front alone of a surface with two sides. Also computes a density to
-/// sample by, in about 50 ms of processor time for an isotropic model and 400 ms for an anisotropic one. 0 threads are
-/// as many as the machine has, which is also the most; the result does not depend on their number. `prepare` of
-/// prepared.h takes what load_model or load_measured reads, and further options.
+/// sample by, in about 50 ms of processor time for an isotropic model and 400 ms for an anisotropic one. `threads`:
+/// number of threads; 0: all of the machine, which is also the most. The result does not depend on it. `prepare` of
+/// prepared.h takes results of load_model and load_measured, and further options.
 PreparedBrdf prepare(const LoadedBrdf& brdf, int threads = 0);
 
 /// f_r(wl, wv) [1/sr], without the cosine. For a model it differs from `value` of model.h, which reports and files use,

@@ -1,4 +1,4 @@
-// C of models whose lobes are the lanes of vectors: what srbf_runtime.h and exported C share.
+// C of models whose lobes are the lanes of vectors: the part that srbf_runtime.h and exported C share.
 #pragma once
 #include <set>
 #include <string>

@@ -21,7 +21,7 @@ inline constexpr CodeLanguageRow k_code_languages[] = {{CodeLanguage::glsl, "gls
 std::optional<CodeLanguage> code_language_named(std::string_view name);
 std::string code_language_names();
 
-/// Functions that an extra adds to code, as NAME_environment: a name for `CodeOptions::with`, and what they are.
+/// Functions that an extra adds to code, as NAME_environment: a name for `CodeOptions::with`, and a summary of them.
 struct CodeFeature {
     std::string_view name, summary;
 };

@@ -27,7 +27,7 @@ struct Language {
     bool has_operators = true;             ///< vectors have operators; if not, there are functions, also for tables
     std::string_view functions = "srbf_";  ///< the prefix of these functions
     bool has_lanes = false;                ///< a number is a vector of numbers
-    bool reads_buffers = true;             ///< functions can read what the host supplies without parameters for it
+    bool reads_buffers = true;             ///< functions can read data of the host without parameters for it
 };
 
 namespace {

@@ -98,9 +98,9 @@ struct Program {
 void parse(std::string_view text, Program& program, std::map<std::string, std::string>& defines,
            bool as_accessors = false);
 
-/// Reduces `program` to what the functions `roots` need. Replaces accessors and constant arguments by their values,
-/// decides conditions on constants, and removes variables that nothing reads, functions that nothing calls, and
-/// handles: structures without members, which stand for a model whose numbers are tables.
+/// Reduces `program` to the definitions that the functions `roots` need. Replaces accessors and constant arguments by
+/// their values, decides conditions on constants, and removes variables that nothing reads, functions that nothing
+/// calls, and handles: structures without members, which stand for a model whose numbers are tables.
 void specialise(Program& program, const std::vector<std::string>& roots);
 
 /// The name of the variable that an assignment to `target` changes.

@@ -39,8 +39,7 @@ double median(std::vector<double> x) {
     return *middle;
 }
 
-/// The standard deviation of values, of which each has a mean, by the median of those with the darker half of the
-/// means.
+/// The standard deviation of values, each with a mean, from the median of the values with the darker half of the means.
 double dark_deviation(std::vector<std::pair<double, double>> means) {
     if (means.empty()) return 0;
     std::ranges::sort(means);

@@ -20,10 +20,10 @@ inline double share_of(const Noise& noise) {
 /// 0.
 double largest_share(const Noise& noise);
 
-/// f smoothed to its noise: f − λ clamp(f − f̂, ±3σ). It is f̂ where the two differ by noise, and keeps what f̂ lacks.
-/// λ = min(1, σ²/ρ²) is the fraction of the difference f − f̂, whose deviation is ρ in the dark, that is noise. f̂
-/// comes from short fits to f as it is, negative values included, whose weights come from √(f² + 25 σ²) first and from
-/// the smoothed f then. `axial`: true if f is isotropic.
+/// f smoothed to its noise: f − λ clamp(f − f̂, ±3σ). It is f̂ where the two differ by noise, and keeps features that
+/// f̂ lacks. λ = min(1, σ²/ρ²) is the fraction of the difference f − f̂, whose deviation is ρ in the dark, that is
+/// noise. f̂ comes from short fits to f as it is, negative values included, whose weights come from √(f² + 25 σ²) first
+/// and from the smoothed f then. `axial`: true if f is isotropic.
 Result<Evaluate> smoothed(const Evaluate& f, const Noise& noise, bool axial, int threads,
                           const ProgressToken& progress);
 

@@ -21,7 +21,8 @@ constexpr double k_rounding = 1e-6, k_noise = 0.02;
 constexpr double k_most_growth = 2.5;
 /// The growth for samples, of which each counts the same, and the least change of pairs that are exactly rotated.
 constexpr double k_least_growth = 1.5, k_weakest = 1e-4;
-/// Known noise changes the sum by as much as its variance, which is known to a tenth, and by so many deviations of it.
+/// Known noise changes the sum by its variance, which is known to a tenth, and by at most k_deviations standard
+/// deviations.
 constexpr double k_noise_margin = 1.1, k_deviations = 3;
 
 struct ValuesAtPairs {

@@ -67,7 +67,7 @@ void set_spectra(ScatteredSamples& samples, const Channels& spectra);
 /// Σ_k w_k colour_k / Σ_k w_k with the w_k of `ScatteredSamples`, for colours that are no f_r.
 Rgb mean_of_neighbours(const ScatteredSamples& samples, Vec3f wl, Vec3f wv);
 
-/// Converts values to f, and masks those that become too large. `unit`: factor of the values.
+/// Converts values to f, and masks values that become too large. `unit`: factor of the values.
 void to_bsdf(ScatteredSamples& samples, Quantity quantity, double unit = 1);
 
 enum class AngleKind { polar, azimuth };

@@ -23,7 +23,7 @@ double diffuse_weight(double f, double mean, double cos_l, double cos_v) {
 double cube_root_slope(double f, double mean, double) {
     return elementary::pow(std::max(f, 0.01 * mean), -2.0 / 3) / 3;
 }
-/// f cosθl as displayed.
+/// f cosθl as a display shows it.
 double displayed(double f, double bright, double cos_l) {
     return elementary::pow(above_dark(f, bright, cos_l), 1.0 / 6);
 }

@@ -66,7 +66,7 @@ std::vector<int> groups_of(const ScatteredSamples& samples) {
     return group_of;
 }
 
-/// Sorts the groups for the assignment of folds: those within θmax first, then by brightness.
+/// Sorts the groups for the assignment of folds: groups within θmax first, then by brightness.
 std::vector<std::size_t> sort_by_brightness(const ScatteredSamples& samples, const std::vector<int>& group_of,
                                             int groups, double max_theta) {
     const auto count = std::size_t(groups);

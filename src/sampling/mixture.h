@@ -20,7 +20,8 @@ inline Vec3f tangent(const MixtureProposal& proposal, const Vec3f& wv) {
     return proposal.has_axis() ? Vec3f(proposal.cosine, proposal.sine, 0) : wv;
 }
 
-/// The parameters of the lobes, as columns: cosines and lobes of light directions, then as many lobes of half vectors.
+/// The parameters of the lobes, as columns: cosines and lobes of light directions, then the same number of lobes of
+/// half vectors.
 struct LobeTable {
     static constexpr int k_count = MixtureProposal::k_lobes, k_per_kind = SRBF_FIRST_HALF_VECTOR_LOBE;
     static_assert(k_count == 2 * k_per_kind);

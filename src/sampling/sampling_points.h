@@ -42,8 +42,8 @@ struct SamplingPoints {
     }
 };
 
-/// Computes the densities of MixtureProposal's components with this shape; those that are known are kept. The points
-/// must be padded.
+/// Computes the densities of MixtureProposal's components with this shape; densities that are known are kept. The
+/// points must be padded.
 void set_densities(SamplingPoints& points, const ProposalShape& shape);
 /// slope_k = Σ_i weight_i density_ki / pdf_i², where pdf_i = Σ_k lobe_weight_k density_ki. Returns Σ_i weight_i /
 /// pdf_i. The points must be padded.

@@ -25,7 +25,7 @@ std::string module_of(const std::string& functions, std::string_view imports, st
     text += classes;
     return text;
 }
-/// Macros that name what the module supplies to the functions of a model.
+/// Macros that name the functions and data that the module supplies to a model.
 std::string defines_of(const std::string& name) {
     return fmt::format("#define {0}_radiance measured_radiance\n#define {0}_reflected measured_reflected\n", name);
 }

@@ -36,7 +36,7 @@ std::string first_bytes(std::span<const std::byte> bytes) {
     return text;
 }
 
-/// Other files: the bytes that one begins with, those it has among its first, what it is and what to do.
+/// Files of other kinds: their first bytes, a text near their beginning, and a message with the kind and a remedy.
 constexpr std::string_view k_web_page = "a web page, not a file of data; download the file itself";
 constexpr std::string_view k_other_files[][3] = {
     {"\xd0\xcf\x11\xe0", "", "an Excel workbook (.xls); save the sheet as CSV"},

@@ -46,8 +46,8 @@ Result<Done> validate(const Observations& observations, const PmFitOptions& opti
     return validate(observations, parameter_count(options));
 }
 
-/// A stage of the perturbations of a fit. The first `fraction` of the starts, at least `least` if there are as many,
-/// are perturbed on the rows of `pairs` until each candidate has had the share `until` of the options' number.
+/// A stage of the perturbations of a fit. The first `fraction` of the starts, but at least `least` if there are that
+/// many, are perturbed on the rows of `pairs` until each candidate has had the share `until` of the options' number.
 struct Perturbations {
     Pairs pairs;
     double fraction, until;

@@ -162,8 +162,7 @@ std::optional<std::array<T, N>> numbers(const std::vector<Attribute>& attributes
 std::array<std::int64_t, 2> block_of(const std::vector<Attribute>& attributes) {
     if (const auto tile = numbers<std::uint32_t, 2>(attributes, "tiles"))
         return {std::max<std::int64_t>((*tile)[1], 1), std::max<std::int64_t>((*tile)[0], 1)};
-    constexpr std::array<std::int64_t, 10> rows{1,  1,  1,  16, 32,
-                                                16, 32, 32, 32, 256};  // rows in a block, for each compression
+    constexpr std::array<std::int64_t, 10> rows{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};  // rows a block, by compression
     const auto kind = numbers<std::uint8_t, 1>(attributes, "compression");
     return {kind && (*kind)[0] < rows.size() ? rows[(*kind)[0]] : 1, std::int64_t(1) << 32};
 }

@@ -21,7 +21,7 @@ SRBF_BEGIN
 struct Trial {
     int lobes = 0;
     std::size_t bytes = 0;
-    double error = 0;  ///< a table's mean ΔE_ITP; held-out samples' measure of the objective
+    double error = 0;  ///< mean ΔE_ITP for a table; for samples the held-out error that the objective minimises
 };
 
 /// J, the number of lobes of a multivariate model, 1..k_most_fitted_lobes.

@@ -64,8 +64,7 @@ struct RglTable {
     /// of a spectral file, in the file's layout: slices × wavelengths × height × width of `colour`
     std::vector<float> spectra;
     std::vector<float> phi_l;  ///< [rad], increasing; there are slices for each. Empty: isotropic
-    int symmetry =
-        1;  ///< measured azimuths: 1 all, 2 half (the rest is rotated by π), 4 a quarter (mirrored at both axes)
+    int symmetry = 1;  ///< measured azimuths: 1 all, 2 half (others by rotation by π), 4 a quarter (others by mirrors)
     bool jacobian = true;
     std::vector<float> theta_l;  ///< [rad], increasing; a slice for each
     Profile ndf;                 ///< microfacet distribution

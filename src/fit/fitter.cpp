@@ -292,8 +292,7 @@ struct Fitter::State {
         const auto quiet = smooth(request, progress);
         if (!quiet) return quiet.error();
         if (std::holds_alternative<SuRequest>(request.model))
-            return fit_view_by_view(smoothed_ ? smoothed_ : signed_, request,
-                                    *quiet);  // it observes a matrix of its own
+            return fit_view_by_view(smoothed_ ? smoothed_ : signed_, request, *quiet);  // tabulates f itself
         const double share = is_draft ? k_drafts_observed : k_observed;
         const auto found = observed(request, quiet->part(0, share));
         if (!found) return found.error();

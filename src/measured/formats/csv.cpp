@@ -88,8 +88,7 @@ Preamble read_preamble(std::string_view text, bool has_names) {
     for (auto line = lines.next(); line; preamble.rows = lines, line = lines.next()) {
         const auto comment = comment_in(*line);
         std::string_view content = comment.value_or(*line);
-        if (constexpr std::string_view format = "format:";
-            content.starts_with(format))  // a line of pab's goniophotometers
+        if (constexpr std::string_view format = "format:"; content.starts_with(format))  // pab's goniophotometers
             content = trimmed(content.substr(format.size()));
         const bool both_sides = comment && equal_ignoring_case(content, k_both_sides.substr(2));
         const auto isotropic = comment ? isotropy_in(content) : std::nullopt;

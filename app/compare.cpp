@@ -46,11 +46,11 @@ int CompareCommand::run_on_parts(const Subject& a, const Subject& b, double thet
                        printable(reference), theta);
         has_common_part = true;
         Json measures;
-        add_measures(measures, comparison, "");
+        add_measures(measures, comparison);
         report[std::string(name(part))] = measures;
         if (json == "-") continue;
         fmt::print("\n{}\n", name(part));
-        print_measures({{"", &comparison}});
+        print_measures(comparison);
     }
     if (!has_common_part)
         return complain(input_error(fmt::format("{} and {}", reference, other), "parts", "one that both have",
@@ -69,22 +69,24 @@ int CompareCommand::run() const {
     const auto writable = check_outputs({reference, other}, {json == "-" ? "" : json});
     if (!writable) return complain(writable.error());
 
-    const double own = fitted_theta(*b), theta = max_theta > 0 ? max_theta : own > 0 ? own : 80;
+    const double fitted = fitted_theta(*b), theta = max_theta > 0 ? max_theta : fitted > 0 ? fitted : 80;
     if (is_two_sided(a->content) || is_two_sided(b->content)) return run_on_parts(*a, *b, theta);
     const Evaluate others[] = {evaluator(*b)};
     const auto* model = std::get_if<Model>(&b->content);
     const std::vector<Vec3f> directions = model ? matrix_directions(*model, theta * k_degree)
                                                 : fibonacci_directions(k_matrix_directions, theta * k_degree);
-    const Comparison comparison = compare(evaluator(*a), others, {theta * k_degree, threads}, directions)[0];
+    const MeasureOptions options{
+        .max_theta = theta * k_degree, .threads = threads, .isotropic = is_isotropic(*a) && is_isotropic(*b)};
+    const Comparison comparison = compare(evaluator(*a), others, options, directions)[0];
 
     if (comparison.matrix.pairs == 0 || comparison.heldout.pairs == 0)
         return complain(input_error(fmt::format("{} and {}", reference, other), "compared pairs of directions",
                                     "pairs with values in both", "none"));
 
-    const auto repeats = repeatability(a->content, threads);
+    const auto exchanged = reciprocity_errors(a->content, threads);
     Json report{{"reference", reference}, {"other", other}, {"max_theta", theta}};
-    add_measures(report, comparison, "");
-    if (repeats) report["exchanged_pictures"] = json_of(*repeats);
+    add_measures(report, comparison);
+    if (exchanged) report["exchanged_pictures"] = json_of(*exchanged);
     report["pairs"] = comparison.matrix.pairs;
     report["masked_pairs"] = comparison.matrix.masked;
     if (!json.empty())
@@ -93,8 +95,8 @@ int CompareCommand::run() const {
 
     fmt::print("{} against {}, directions within {:g}° of the normal\n\n", printable(other), printable(reference),
                theta);
-    print_measures({{"", &comparison}});
-    if (repeats) fmt::print("\n{}: {}\n", printable(reference), repeats_text(*repeats));
+    print_measures(comparison);
+    if (exchanged) fmt::print("\n{} is reciprocal {}\n", printable(reference), reciprocity_text(*exchanged));
     if (comparison.matrix.masked > 0)
         fmt::print("\n{} of {} pairs of the matrix were not measured and are skipped\n",
                    grouped(comparison.matrix.masked), grouped(comparison.matrix.masked + comparison.matrix.pairs));

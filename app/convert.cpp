@@ -48,8 +48,8 @@ Result<Measured> ConvertCommand::smoothed(const Subject& subject) const {
     }
     MbsdfOptions options;
     options.threads = threads;
-    if (const auto* own = std::get_if<MbsdfTable>(&measured->table))
-        options.polar = own->polar, options.azimuths = own->azimuths;
+    if (const auto* mbsdf = std::get_if<MbsdfTable>(&measured->table))
+        options.polar = mbsdf->polar, options.azimuths = mbsdf->azimuths;
     return Measured{measured->source, "smoothed", 0, to_mbsdf(*quiet, options)};
 }
 
@@ -75,7 +75,7 @@ Result<std::vector<std::byte>> ConvertCommand::converted(const Subject& subject)
 int ConvertCommand::run() const {
     auto subject = load_subject(input, read);
     if (!subject) return complain(subject.error());
-    if (exchange) std::visit([](auto& of) { srbf::exchange(of); }, subject->content);
+    if (exchange) std::visit([](auto& content) { srbf::exchange(content); }, subject->content);
     if (const auto writable = check_outputs({input}, {output}); !writable) return complain(writable.error());
     if (smooth) {
         auto made = smoothed(*subject);
@@ -153,8 +153,7 @@ void add_convert(CommandLine& app, int& status) {
                      "RGL: colours without the spectra of the same material, as Mitsuba 3 needs them in its\n"
                      "RGB variants; its spectral variants and pbrt-v4 need the spectra");
     sub.add_flag("--exchange", command->exchange, "Exchange light and viewer");
-    sub.add_flag("--smooth", command->smooth,
-                 "A noisy isotropic table without its noise, as fits see it: to look at beside them");
+    sub.add_flag("--smooth", command->smooth, "Write a noisy isotropic table without its noise, as a fit uses it");
     add_read_options(sub, command->read);
     const Option threads =
         sub.add_option("--threads", command->threads,
@@ -163,9 +162,8 @@ void add_convert(CommandLine& app, int& status) {
             .check(within(0, k_most_threads))
             .capture_default_str();
     sub.footer(
-        "A file that already has the format, of which nothing was assumed, is copied byte for byte, unless --exchange, "
-        "--smooth, --rgb-alone or an option of the format "
-        "is given.\n\n"
+        "A file that already has the format is copied byte for byte if nothing was assumed about it, unless\n"
+        "--exchange, --smooth, --rgb-alone or an option of the format is given.\n\n"
         "Examples:\n  srbf convert nickel.binary -o nickel.bsdf\n  srbf convert paper_white_rgb.srbf -o paper.binary");
     const auto writes = [command](std::string_view extension) {
         return format_written_to(command->output)->extension == extension;

@@ -106,9 +106,9 @@ Option add_colour(const Subcommand& sub, const std::string& name, Rgb& colour, d
             name, [&colour, parsed](const std::string& text) { parsed(text, colour); }, about)
         .type_name("R,G,B")
         .check([parsed, most](std::string& text) -> std::string {
-            Rgb of;
-            const bool valid = parsed(text, of) && is_finite(of) && std::min({of.r, of.g, of.b}) >= 0 &&
-                               double(std::max({of.r, of.g, of.b})) <= most;
+            Rgb rgb;
+            const bool valid = parsed(text, rgb) && is_finite(rgb) && std::min({rgb.r, rgb.g, rgb.b}) >= 0 &&
+                               double(std::max({rgb.r, rgb.g, rgb.b})) <= most;
             return valid ? ""
                          : fmt::format("expected three numbers from 0 to {:g}, as 1,0.8,0.6, found {}", most, text);
         });
@@ -123,32 +123,32 @@ Option add_number(const Subcommand& sub, const std::string& name, double& value,
 
 void add_edit(CommandLine& app, int& status) {
     const auto command = std::make_shared<EditCommand>();
-    EditCommand& of = *command;
+    EditCommand& edit = *command;
     const Subcommand sub = app.add_subcommand("edit", "Edit a model: roughness, colours, a coat");
-    sub.add_option("MODEL", of.input, "A multivariate model").type_name("").required();
-    sub.add_option("-o,--output", of.output, "The model file to write").type_name("FILE").required();
-    of.roughens = add_number(sub, "--roughen", of.roughen.factor, 0.1, 10,
-                             "Roughness of the highlight times this, by a refit, 0.1 to 10");
-    of.of_colours = {
-        add_colour(sub, "--tint-highlight", of.tint.highlight, 10, "Colour of the highlight times this"),
-        add_colour(sub, "--tint-body", of.tint.body, 10, "Colour of the body times this"),
-        add_number(sub, "--scale-highlight", of.scale_highlight, 0, 10, "The highlight times this, 0 to 10"),
-        add_number(sub, "--scale-body", of.scale_body, 0, 10, "The body times this, 0 to 10")};
-    of.saturates =
-        add_number(sub, "--saturate", of.saturate.factor, 0, 4, "Distance of colours to grey times this, 0 to 4");
-    of.hues = add_number(sub, "--hue", of.hue.degrees, -360, 360, "Turn colours about grey by these degrees");
-    of.rotates = add_number(sub, "--rotate", of.rotate.degrees, -360, 360,
-                            "Turn the tangent by these degrees; only anisotropic models change");
-    of.coats = add_number(sub, "--coat", of.coat.roughness, 0.02, 1,
-                          "Cover it by a clear coat of this roughness alpha, by a refit, 0.02 to 1");
-    const Option ior = add_number(sub, "--coat-ior", of.coat.ior, 1.05, 3, "Index of refraction of the coat, 1.05 to 3")
+    sub.add_option("MODEL", edit.input, "A multivariate model").type_name("").required();
+    sub.add_option("-o,--output", edit.output, "The model file to write").type_name("FILE").required();
+    edit.roughens = add_number(sub, "--roughen", edit.roughen.factor, 0.1, 10,
+                               "Multiply the roughness of the highlight by X, 0.1 to 10, by a new fit");
+    edit.of_colours = {
+        add_colour(sub, "--tint-highlight", edit.tint.highlight, 10, "Multiply the highlight by this colour"),
+        add_colour(sub, "--tint-body", edit.tint.body, 10, "Multiply the body by this colour"),
+        add_number(sub, "--scale-highlight", edit.scale_highlight, 0, 10, "Multiply the highlight by X, 0 to 10"),
+        add_number(sub, "--scale-body", edit.scale_body, 0, 10, "Multiply the body by X, 0 to 10")};
+    edit.saturates =
+        add_number(sub, "--saturate", edit.saturate.factor, 0, 4, "Multiply the saturation of colours by X, 0 to 4");
+    edit.hues = add_number(sub, "--hue", edit.hue.degrees, -360, 360, "Turn the hue of colours by X degrees");
+    edit.rotates = add_number(sub, "--rotate", edit.rotate.degrees, -360, 360,
+                              "Turn the tangent by X degrees; only anisotropic models change");
+    edit.coats = add_number(sub, "--coat", edit.coat.roughness, 0.02, 1,
+                            "Add a clear coat of roughness alpha X, 0.02 to 1, by a new fit");
+    const Option ior = add_number(sub, "--coat-ior", edit.coat.ior, 1.05, 3, "Refractive index of the coat, 1.05 to 3")
                            .capture_default_str();
-    const Option tint = add_colour(sub, "--coat-tint", of.coat.tint, 1,
+    const Option tint = add_colour(sub, "--coat-tint", edit.coat.tint, 1,
                                    "Colour of white light that passes twice through the coat along the normal");
-    of.reduces = sub.add_option("--reduce", of.reduce.lobes, "Fit this number of lobes to the result, 1 to 64")
-                     .type_name("J")
-                     .check(within(1, k_most_fitted_lobes));
-    const Option threads = sub.add_option("--threads", of.options.threads,
+    edit.reduces = sub.add_option("--reduce", edit.reduce.lobes, "Fit this number of lobes to the result, 1 to 64")
+                       .type_name("J")
+                       .check(within(1, k_most_fitted_lobes));
+    const Option threads = sub.add_option("--threads", edit.options.threads,
                                           "Number of threads; 0: all of the machine. The output does not depend on it")
                                .type_name("T")
                                .check(within(0, k_most_threads))
@@ -158,13 +158,13 @@ void add_edit(CommandLine& app, int& status) {
         "Lambert\n"
         "does, the highlight all others. A coat has three lobes more.\n\n"
         "Example:\n  srbf edit film.srbf --roughen 1.5 --tint-highlight 1,0.8,0.6 -o warmer.srbf");
-    const auto refits = [&of] { return of.roughens.given() || of.coats.given() || of.reduces.given(); };
+    const auto refits = [&edit] { return edit.roughens.given() || edit.coats.given() || edit.reduces.given(); };
     sub.callback(
         [command, sub, &status] {
             if (command->edits().empty()) sub.fail("expected an edit, as --roughen 1.5, found none");
             status = command->run();
         },
-        {{{ior, tint}, "only with --coat", [&of] { return of.coats.given(); }},
+        {{{ior, tint}, "only with --coat", [&edit] { return edit.coats.given(); }},
          {{threads}, "only with --roughen, --coat or --reduce", refits}});
 }
 

@@ -23,21 +23,21 @@ struct ReadFor {
 /// Returns an error if an option was given that the fit of this measurement does not read.
 Result<Done> check_read(const Measured& measured, const FileFit& fit) {
     const auto* bsdf = std::get_if<BsdfTable>(&measured.table);
-    const PatchFit* own = nullptr;
+    const PatchFit* patches = nullptr;
     if (bsdf)
         for (const auto& part : bsdf->band().part)
-            if (part && patch_fit_of(*part)) own = patch_fit_of(*part);
-    const std::string fitted(own ? own->fitted : "");
+            if (part && patch_fit_of(*part)) patches = patch_fit_of(*part);
+    const std::string fitted(patches ? patches->fitted : "");
     const auto* pm = std::get_if<PmRequest>(&fit.request.model);
     const bool is_view_by_view = std::holds_alternative<SuRequest>(fit.request.model);
     const ReadFor rows[] = {
         {{"--variates"},
-         !(own && pm && !pm->size),
+         !(patches && pm && !pm->size),
          "--lobes as well",
          fmt::format("none: a fit of {} then chooses its size", fitted)},
-        {{"--target-delta-e"}, !own, "a table", fitted},
-        {{"--objective", "--max-theta"}, !own || is_view_by_view, "a table or samples", fitted},
-        {{"--channels"}, !(own && fit.request.spectral), "rgb", "spectral, of " + fitted},
+        {{"--target-delta-e"}, !patches, "a table", fitted},
+        {{"--objective", "--max-theta"}, !patches || is_view_by_view, "a table or samples", fitted},
+        {{"--channels"}, !(patches && fit.request.spectral), "rgb", "spectral, of " + fitted},
     };
     for (const ReadFor& row : rows)
         for (const std::string_view option : row.options)

@@ -46,8 +46,8 @@ Result<Done> print(const FileFit& fit, const Measured& measured, const BsdfOutco
     }
     fmt::print("\n");
     for (const PartFit& part : outcome.parts)
-        if (const auto& own = table.band().part[std::size_t(part.part)])
-            fmt::print("  {:<20} {}\n", name(part.part), peak_text(peak_of(*own), is_transmission(part.part)));
+        if (const auto& data = table.band().part[std::size_t(part.part)])
+            fmt::print("  {:<20} {}\n", name(part.part), peak_text(peak_of(*data), is_transmission(part.part)));
     const auto& beams = std::get<BsdfModel>(outcome.model.model).beam;
     for (std::size_t b = 0; b < beams.size(); ++b)
         if (!beams[b].empty())
@@ -86,8 +86,8 @@ Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& 
                     {"answered_by", part.answered_by ? Json(name(*part.answered_by)) : Json()},
                     {"black", part.black},
                     {"squared_error_ratio", part.squared_error_ratio}};
-        if (const auto& own = std::get<BsdfTable>(measured.table).band().part[std::size_t(part.part)]) {
-            const Peak peak = peak_of(*own);
+        if (const auto& data = std::get<BsdfTable>(measured.table).band().part[std::size_t(part.part)]) {
+            const Peak peak = peak_of(*data);
             member["peak"] = name(peak.position), member["peak_ratio"] = peak.ratio;
         }
         for (const Hemispherical& sum : part.hemispherical)

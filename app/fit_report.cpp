@@ -37,7 +37,7 @@ double albedo_limit_of(const FitRequest& request, const FitOutcome& outcome) {
 }
 
 /// Prints what limits the accuracy of the measurement: negative values, noise, and deviations from reciprocity.
-void print_repeatability(const FitRequest& request, const FitOutcome& outcome) {
+void print_limits_of_measurement(const FitRequest& request, const FitOutcome& outcome) {
     if (outcome.clamped > 0)
         fmt::print("  negative  {} values, {}\n", grouped(outcome.clamped),
                    is_smoothed(outcome) ? "fitted as noise about their mean" : "set to 0");
@@ -55,7 +55,7 @@ void print_repeatability(const FitRequest& request, const FitOutcome& outcome) {
                    limit < outcome.largest_albedo
                        ? fmt::format("the fit is held to {:g}, which adds to its error: see --albedo-limit", limit)
                        : "the fit may reflect as much");
-    if (outcome.exchanged) fmt::print("  exchange  {}\n", repeats_text(*outcome.exchanged));
+    if (outcome.exchanged) fmt::print("  reciprocal {}\n", reciprocity_text(*outcome.exchanged));
     if (outcome.against_mean)
         fmt::print("  fitted to the mean with light and viewer exchanged: ΔE_ITP {:.3g} (worst {:.3g}) against it\n",
                    outcome.against_mean->mean.delta_e, outcome.against_mean->worst_delta_e);
@@ -93,8 +93,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
         {"peak_ratio", peak.ratio},
     });
     if (outcome.empty_directions) json["empty_directions"] = *outcome.empty_directions;
-    add_measures(json, *outcome.errors, "");
-    add_measures(json, *outcome.unrounded_errors, "unrounded_");
+    add_measures(json, *outcome.errors);
     json["headline"] = headline(*outcome.errors);
     if (outcome.samples) json["judged_pictures"] = json_of(judged(*outcome.errors));
     if (outcome.noise) json["noise"] = share_of(*outcome.noise);
@@ -133,9 +132,9 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
         fmt::print("  empty     {} directions without data\n", *outcome.empty_directions);
     if (outcome.masked > 0) fmt::print("  masked    {} samples that were not measured\n", grouped(outcome.masked));
     fmt::print("  peak      {}\n", peak_text(peak_of(measured)));
-    print_repeatability(request, outcome);
+    print_limits_of_measurement(request, outcome);
     fmt::print("\n");
-    print_measures({{"as stored", &*outcome.errors}, {"before rounding", &*outcome.unrounded_errors}});
+    print_measures(*outcome.errors);
     if (outcome.samples)
         fmt::print(
             "  Matrix: at the samples themselves. Held out: {}-fold cross-validated. Albedo and pictures: against\n"

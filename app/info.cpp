@@ -151,7 +151,7 @@ void print_behaviour(const Subject& subject) {
         compare(brdf, other, {.max_theta = max_theta * k_degree, .pictures = false}, {})[0].heldout;
     print_row("reciprocity error", fmt::format("{} of f cosθl, squared, between f(wl, wv) and f(wv, wl), θ ≤ {}°",
                                                percent(reciprocity.squared_error_ratio_cosine), max_theta));
-    if (const auto repeats = repeatability(subject.content)) print_row("exchange", repeats_text(*repeats));
+    if (const auto errors = reciprocity_errors(subject.content)) print_row("reciprocal", reciprocity_text(*errors));
     // The measurement before negative values are set to 0.
     const Evaluate as_measured = measured ? signed_evaluator(*measured) : brdf;
     const std::vector<Vec3f> directions = fibonacci_directions(512, max_theta * k_degree);
@@ -188,9 +188,9 @@ void print_sides(const Subject& subject) {
             fmt::print("{:>#10.4g}", sum);
         }
         fmt::print("\n");
-        const auto own = measured ? std::get<BsdfTable>(measured->table).band().part[p] : nullptr;
+        const auto data = measured ? std::get<BsdfTable>(measured->table).band().part[p] : nullptr;
         peaks += fmt::format("  {:<22}{}\n", name(part),
-                             peak_text(own ? peak_of(*own) : peak_of(part_of(bsdf, part)), is_transmission(part)));
+                             peak_text(data ? peak_of(*data) : peak_of(part_of(bsdf, part)), is_transmission(part)));
     }
     for (const std::size_t side : {0, 1}) {
         fmt::print("  {:<22}", side ? "total, from the back" : "total, from the front");

@@ -21,9 +21,8 @@ Evaluate evaluator(const Subject& subject) {
     return std::visit([](const auto& brdf) { return evaluator(brdf); }, subject.content);
 }
 
-int azimuths_of(const Subject& subject) {
-    return std::visit([](const auto& brdf) { return is_isotropic(brdf); }, subject.content) ? 1
-                                                                                            : k_anisotropic_azimuths;
+bool is_isotropic(const Subject& subject) {
+    return std::visit([](const auto& brdf) { return is_isotropic(brdf); }, subject.content);
 }
 
 std::span<const float> wavelengths(const Subject& subject) {

@@ -15,8 +15,8 @@ Rgb value(const Subject& subject, Vec3f wl, Vec3f wv);
 /// Evaluates the subject at arrays of pairs. The result keeps a reference to `subject`.
 Evaluate evaluator(const Subject& subject);
 
-/// The value of `ProposeOptions::azimuths` for the subject.
-int azimuths_of(const Subject& subject);
+/// True if values of the subject do not change when light and viewer turn together.
+bool is_isotropic(const Subject& subject);
 
 /// The wavelengths [nm] of a spectral measurement or model; otherwise empty.
 std::span<const float> wavelengths(const Subject& subject);

@@ -48,7 +48,7 @@ std::uint64_t free_memory() {
 
 Result<Done> check_drawing() {
     if (is_limited)
-        return Error{"OpenGL", {}, "memory", "no --max-memory, which OpenGL's drivers do not survive", "a limit"};
+        return Error{"OpenGL", {}, "memory", "no --max-memory, since OpenGL's drivers crash under a limit", "a limit"};
     return Done{};
 }
 

@@ -49,36 +49,20 @@ Result<Done> check_output(const std::string& path) {
 
 }  // namespace
 
-void print_measures(const std::vector<std::pair<std::string, const Comparison*>>& comparisons) {
-    if (comparisons.size() > 1) {
-        fmt::print("{:<26}", "");
-        for (const auto& [title, comparison] : comparisons) fmt::print("{:>26}", title);
-        fmt::print("\n");
-    }
-    fmt::print("{:<26}", "measure");
-    for (std::size_t k = 0; k < comparisons.size(); ++k) fmt::print("{:>13}{:>13}", "matrix", "held out");
+void print_measures(const Comparison& comparison) {
+    const auto print_row = [](std::string_view title, std::string_view left, std::string_view right) {
+        fmt::print("{:<26}{:>13}{:>13}\n", title, left, right);
+    };
+    print_row("measure", "matrix", "held out");
+    for (const MeasureName& m : k_measures) print_row(m.title, text(m, comparison.matrix), text(m, comparison.heldout));
+    print_row("albedo error, largest", "", percent(comparison.albedo_error));
     fmt::print("\n");
-    for (const MeasureName& m : k_measures) {
-        fmt::print("{:<26}", m.title);
-        for (const auto& [title, comparison] : comparisons)
-            fmt::print("{:>13}{:>13}", text(m, comparison->matrix), text(m, comparison->heldout));
-        fmt::print("\n");
-    }
-    fmt::print("{:<26}", "albedo error, largest");
-    for (const auto& [title, comparison] : comparisons) fmt::print("{:>26}", percent(comparison->albedo_error));
-    fmt::print("\n\n{:<26}", "pictures of a sphere");
-    for (std::size_t k = 0; k < comparisons.size(); ++k) fmt::print("{:>13}{:>13}", "mean", "worst light");
-    fmt::print("\n");
-    for (const PictureErrorName& e : k_picture_errors) {
-        fmt::print("{:<26}", e.title);
-        for (const auto& [title, comparison] : comparisons) {
-            const bool has_worst = e.member == &PictureErrors::delta_e;
-            fmt::print("{:>13.3g}{:>13}", comparison->appearance.mean.*e.member,
-                       has_worst ? fmt::format("{:.3g}", comparison->appearance.worst_delta_e) : "");
-        }
-        fmt::print("\n");
-    }
-    if (const auto& heldout = comparisons.front().second->heldout_appearance)
+    print_row("pictures of a sphere", "mean", "worst light");
+    const Appearance& appearance = comparison.appearance;
+    for (const PictureErrorName& e : k_picture_errors)
+        print_row(e.title, fmt::format("{:.3g}", appearance.mean.*e.member),
+                  e.member == &PictureErrors::delta_e ? fmt::format("{:.3g}", appearance.worst_delta_e) : "");
+    if (const auto& heldout = comparison.heldout_appearance)
         fmt::print("{:<26}{:>13.3g}{:>13.3g}\n", "ΔE_ITP, held out", heldout->mean.delta_e, heldout->worst_delta_e);
 }
 

@@ -19,10 +19,8 @@ const MeasureName& measure_named_for(Objective objective);
 /// The printed value of a measure.
 std::string text(const MeasureName& name, const Measures& measures);
 
-/// Adds measures to `json`, with `prefix` before their names: "", "unrounded_", "samples_". A comparison adds all
-/// its measures.
-void add_measures(Json& json, const Measures& measures, std::string_view prefix);
-void add_measures(Json& json, const Comparison& comparison, std::string_view prefix);
+/// Adds the measures of a comparison to `json`.
+void add_measures(Json& json, const Comparison& comparison);
 /// Errors of pictures: means, worst, and the errors under each lighting.
 Json json_of(const Appearance& appearance);
 Json json_of(const Parameter& parameter);
@@ -31,12 +29,12 @@ Json json_of(const Parameter& parameter);
 const Json* judged_pictures(const Json& report);
 
 /// Picture errors of a table against its transpose; none if it is reciprocal or not a table.
-std::optional<Appearance> repeatability(const AnyBrdf& brdf, int threads = 0);
-/// "pictures change by ΔE_ITP 14.4 (worst 21.4) if light and viewer are exchanged"
-std::string repeats_text(const Appearance& exchanged);
+std::optional<Appearance> reciprocity_errors(const AnyBrdf& brdf, int threads = 0);
+/// "within ΔE_ITP 14.4 (worst 21.4) where light and viewer are exchanged"
+std::string reciprocity_text(const Appearance& exchanged);
 
-/// Prints a table of measures, with a column for each set of pairs in each comparison.
-void print_measures(const std::vector<std::pair<std::string, const Comparison*>>& comparisons);
+/// Prints a table of measures, with a column for each set of pairs.
+void print_measures(const Comparison& comparison);
 
 /// The bytes of a JSON file.
 std::vector<std::byte> json_bytes(const Json& json);

@@ -22,10 +22,6 @@ std::string text(const MeasureName& name, const Measures& measures) {
     return name.is_ratio ? percent(measures.*name.member) : fmt::format("{:.4g}", measures.*name.member);
 }
 
-void add_measures(Json& json, const Measures& measures, std::string_view prefix) {
-    for (const MeasureName& m : k_measures) json[fmt::format("{}{}", prefix, m.name)] = measures.*m.member;
-}
-
 Json json_of(const Appearance& appearance) {
     const auto errors = [](const PictureErrors& picture_errors) {
         Json named;
@@ -55,26 +51,27 @@ Json json_of(const Parameter& parameter) {
         parameter.value);
 }
 
-std::optional<Appearance> repeatability(const AnyBrdf& brdf, int threads) {
+std::optional<Appearance> reciprocity_errors(const AnyBrdf& brdf, int threads) {
     const auto* measured = std::get_if<Measured>(&brdf);
     if (!measured || std::holds_alternative<ScatteredSamples>(measured->table) ||
         std::holds_alternative<BsdfTable>(measured->table) || std::holds_alternative<MerlTable>(measured->table))
         return {};
-    const Appearance exchanged = compare_exchanged(evaluator(*measured), threads);
-    return exchanged.mean.delta_e > 0 ? std::optional(exchanged) : std::nullopt;
+    const Evaluate f = evaluator(*measured), other = exchanged(f);
+    const Appearance errors =
+        compare_pictures(f, {&other, 1}, {.threads = threads, .is_isotropic = is_isotropic(*measured)})[0];
+    return errors.mean.delta_e > 0 ? std::optional(errors) : std::nullopt;
 }
 
-std::string repeats_text(const Appearance& exchanged) {
-    return fmt::format("pictures change by ΔE_ITP {:.3g} (worst {:.3g}) if light and viewer are exchanged",
+std::string reciprocity_text(const Appearance& exchanged) {
+    return fmt::format("within ΔE_ITP {:.3g} (worst {:.3g}) where light and viewer are exchanged",
                        exchanged.mean.delta_e, exchanged.worst_delta_e);
 }
 
-void add_measures(Json& json, const Comparison& comparison, std::string_view prefix) {
-    for_measures(comparison, [&](const std::string& name, double value) { json[std::string(prefix) + name] = value; });
-    json[fmt::format("{}pictures", prefix)] = json_of(comparison.appearance);
-    if (comparison.heldout_appearance)
-        json[fmt::format("{}heldout_pictures", prefix)] = json_of(*comparison.heldout_appearance);
-    if (comparison.measure) json[fmt::format("{}samples_delta_e_itp", prefix)] = comparison.samples_delta_e;
+void add_measures(Json& json, const Comparison& comparison) {
+    for_measures(comparison, [&](const std::string& name, double value) { json[name] = value; });
+    json["pictures"] = json_of(comparison.appearance);
+    if (comparison.heldout_appearance) json["heldout_pictures"] = json_of(*comparison.heldout_appearance);
+    if (comparison.measure) json["samples_delta_e_itp"] = comparison.samples_delta_e;
 }
 
 std::string percent(double ratio) { return fmt::format("{:.3g} %", 100 * ratio); }

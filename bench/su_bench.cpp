@@ -48,7 +48,7 @@ BENCHMARK(tabulate_matrix)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-/// From the raw matrix to the bytes of the file. The counters are milliseconds between progress reports of each stage.
+/// Fits the raw matrix and encodes the model. The counters are milliseconds between progress reports of each stage.
 void fit(benchmark::State& state) {
     std::map<std::string, double> stages;
     SuModel fitted;

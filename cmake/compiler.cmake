@@ -1,4 +1,4 @@
-# How sources are compiled: together or one by one, for speed or quickly, with which warnings and sanitizers.
+# This file sets how sources are compiled: together or one by one, for speed or quickly, their warnings, sanitizers.
 find_program(CCACHE ccache)
 if(CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
@@ -31,8 +31,8 @@ function(precompiled target as)
   endif()
   set_target_properties(${target} PROPERTIES PCH_WARN_INVALID OFF)  # a file with other options reads the headers as text
 endfunction()
-# For code that reads arguments or writes text, and for tests: -O3 takes half as long again to compile and makes them
-# no faster. Code with sanitizers takes twice as long to compile with optimisation, so only inner loops are optimised.
+# Code that reads arguments or writes text, and tests, compile at -O1: -O3 takes half as long again and makes them no
+# faster. Code with sanitizers takes twice as long to compile with optimisation, so only inner loops are optimised.
 set(SRBF_QUICKLY_COMPILED $<$<CONFIG:Release>:-O1>)
 set(SRBF_COMPILED_FOR_SPEED)
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL "wasm32")
@@ -63,7 +63,7 @@ add_library(srbf_build INTERFACE)
 target_compile_options(srbf_build INTERFACE -ffp-contract=off)
 # Without vectors, Eigen sums in the order of its source. Under its own name, our Eigen cannot clash with a user's.
 target_compile_definitions(srbf_build INTERFACE EIGEN_DONT_VECTORIZE EIGEN_DONT_PARALLELIZE Eigen=EigenOfSrbf)
-# As in srbf/version.h, which compilers compare with this.
+# The namespace is that of srbf/version.h, which compilers compare with this.
 target_compile_definitions(srbf_build INTERFACE "SRBF_NAMESPACE=srbf::inline v${PROJECT_VERSION_MAJOR}_${PROJECT_VERSION_MINOR}")
 if(SRBF_SANITIZE)
   target_compile_options(srbf_build INTERFACE -w)  # other builds warn

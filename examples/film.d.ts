@@ -8,7 +8,7 @@ export class FilmMaterial extends MeshStandardMaterial {
 }
 interface Blend extends MeshStandardMaterialParameters { mask?: Texture | null; vertexMask?: boolean; shares?: number[] }
 export class BlendMaterial extends MeshStandardMaterial {
-    constructor(...of: (Material | Blend)[]);
+    constructor(...terms: (Material | Blend)[]);
     mask: Texture | null;
     vertexMask: boolean;
     shares: number[];

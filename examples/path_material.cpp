@@ -24,11 +24,11 @@ double reflected(const srbf::PreparedBrdf& material, float cos_v, int rays, unsi
     const srbf::CosineProposal sky;  // how the light is sampled: by its cosine
     double sum = 0;
     for (int ray = 0; ray < rays; ++ray) {
-        // By the BRDF: direction, f cosθl / pdf and pdf in one.
+        // The BRDF draws a direction, with f cosθl / pdf and pdf.
         const srbf::Vec2f u{uniform(), uniform()};
         const srbf::LightSample drawn = sample(material, wv, u, uniform());
         if (drawn.pdf > 0) sum += double(drawn.weight.g) * power(double(drawn.pdf), double(pdf(sky, drawn.wl, wv)));
-        // By the light.
+        // The light draws a direction.
         const srbf::Vec3f wl = sample(sky, wv, {uniform(), uniform()}, 0);
         const double of_sky = double(pdf(sky, wl, wv));
         if (of_sky > 0)

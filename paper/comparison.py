@@ -111,8 +111,8 @@ def marked(model, name):
 def with_bold_best(names, values, largest=frozenset()):
     """Lines of names and texts of values; the least value of each column is bold, or the largest of columns in `largest`."""
     best = [(max if i in largest else min)(column) for i, column in enumerate(zip(*values))]
-    return [own + [f"**{text(value)}**" if text(value) == text(least) else text(value) for value, least in zip(row, best)]
-            for own, row in zip(names, values)]
+    return [cells + [f"**{text(value)}**" if text(value) == text(least) else text(value) for value, least in zip(row, best)]
+            for cells, row in zip(names, values)]
 
 
 def with_bold_least(values):
@@ -185,14 +185,14 @@ NETWORKS = {"nbrdf": "NBRDF, 32-bit floats", "nps": "neural process", "network-6
 
 
 def measures_table(rows):
-    """For each measure the measurements on which a network has a smaller error than the default."""
+    """Lists, for each measure, the measurements on which a network has a smaller error than the default."""
     lines = []
     for key, name in MEASURES.items():
         sign = -1 if key == "psnr" else 1
         cells = []
         for model in NETWORKS:
-            own, other = [{row["material"]: sign * row[key] for row in of_model(rows, compared)} for compared in ("srbf", model)]
-            smaller = [material for material in MEASURED if other[material] < own[material]]
+            default, other = [{row["material"]: sign * row[key] for row in of_model(rows, compared)} for compared in ("srbf", model)]
+            smaller = [material for material in MEASURED if other[material] < default[material]]
             cells.append("all five" if len(smaller) == len(MEASURED) else ", ".join(MEASURED[material] for material in smaller) or "none")
         lines.append([name] + cells)
     return table(["measure", *NETWORKS.values()], lines)
@@ -248,11 +248,11 @@ def stand_ins_table(rows):
     rest = [row for row in rows if row["material"] not in MEASURED]
     default, other = ({row["material"]: row["delta_e_itp"] for row in of_model(rest, model)} for model in ("srbf", "as-measured-8"))
     lines = []
-    for model, own, against in (("srbf", default, other), ("as-measured-8", other, default)):
-        larger = [material for material in sorted(own) if own[material] > 1.1 * against[material]]
-        names = "".join(f", {material} ({text(own[material])} and {text(against[material])})" for material in larger) if model == "srbf" else ""
-        lines.append([MODELS[model][0], text(statistics.fmean(own.values())), text(statistics.median(own.values())),
-                      str(sum(own[material] < against[material] for material in own)), str(len(larger)) + names.replace(", ", ": ", 1)])
+    for model, errors, against in (("srbf", default, other), ("as-measured-8", other, default)):
+        larger = [material for material in sorted(errors) if errors[material] > 1.1 * against[material]]
+        names = "".join(f", {material} ({text(errors[material])} and {text(against[material])})" for material in larger) if model == "srbf" else ""
+        lines.append([MODELS[model][0], text(statistics.fmean(errors.values())), text(statistics.median(errors.values())),
+                      str(sum(errors[material] < against[material] for material in errors)), str(len(larger)) + names.replace(", ", ": ", 1)])
     return table(["model", "mean of the stand-ins", "median", "smaller error on", "larger by more than a tenth on"], lines)
 
 
@@ -279,7 +279,7 @@ def mark(x, y, colour, curve, hollow=False):
 def points_of(rows, curve):
     """The mean payload, mean ΔE_ITP and shared bytes of a curve's models, in order of bytes."""
     present = {row["model"] for row in rows}
-    of_models = [of_model(rows, model) for model, own in CURVE_OF.items() if own == curve and model in present]
+    of_models = [of_model(rows, model) for model, name in CURVE_OF.items() if name == curve and model in present]
     return sorted((mean(model_rows, "payload"), mean(model_rows, "delta_e_itp"), model_rows[0]["shared"]) for model_rows in of_models)
 
 

@@ -156,10 +156,10 @@ int main(int argc, char** argv) {
         const Measured clean{"", "", 0, table};
         const Evaluate truth = evaluator(clean);
         const FitErrors clean_fit = fit_errors(clean, truth, seeds);
-        const auto print = [&](const std::string& noise, const FitErrors& one, const TableErrors& own) {
+        const auto print = [&](const std::string& noise, const FitErrors& one, const TableErrors& raw) {
             fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.0f} |\n", name,
                        noise, one.fit.delta_e, one.fit.delta_e / clean_fit.fit.delta_e, 100 * one.fit.albedo.luminance,
-                       100 * one.fit.albedo.channel, own.delta_e, 100 * own.albedo.luminance, one.share, one.seconds);
+                       100 * one.fit.albedo.channel, raw.delta_e, 100 * raw.albedo.luminance, one.share, one.seconds);
             std::fflush(stdout);
         };
         print("none", clean_fit, {});

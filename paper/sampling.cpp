@@ -3,7 +3,7 @@
 // that of its multivariate model, and the cosine. Multivariate fits are
 // of form extended with 8 lobes, the view-by-view one has 5 lobes.
 //   usage: sampling FILE...
-// For prepared measurements and models, prints the median and the largest variance over views every 3° to 85°, and the
+// It prints the median and the largest variance over views every 3° to 85° of prepared measurements and models, and the
 // largest share of lost samples to 89.9°, as CSV in descending order of the largest variance.
 //   usage: sampling --views FILE...
 // The same with the largest weight of a sample, at 121 views uniform in √cosθv, from the normal to cosθv = 10⁻⁴. The

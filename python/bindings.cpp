@@ -88,21 +88,21 @@ using Colour = std::array<float, 3>;
 Rgb colour_of(const Colour& numbers) { return {numbers[0], numbers[1], numbers[2]}; }
 
 void define_edits(py::class_<PyBrdf>& brdf) {
-    brdf.def("roughened", [](const PyBrdf& of, double factor) { return edit_of(of, Roughen{factor}); })
+    brdf.def("roughened", [](const PyBrdf& model, double factor) { return edit_of(model, Roughen{factor}); })
         .def("tinted",
-             [](const PyBrdf& of, const Colour& highlight, const Colour& body) {
-                 return edit_of(of, Tint{colour_of(highlight), colour_of(body)});
+             [](const PyBrdf& model, const Colour& highlight, const Colour& body) {
+                 return edit_of(model, Tint{colour_of(highlight), colour_of(body)});
              })
-        .def("saturated", [](const PyBrdf& of, double factor) { return edit_of(of, Saturate{factor}); })
-        .def("hue_turned", [](const PyBrdf& of, double degrees) { return edit_of(of, TurnHue{degrees}); })
-        .def("rotated", [](const PyBrdf& of, double degrees) { return edit_of(of, Rotate{degrees}); })
+        .def("saturated", [](const PyBrdf& model, double factor) { return edit_of(model, Saturate{factor}); })
+        .def("hue_turned", [](const PyBrdf& model, double degrees) { return edit_of(model, TurnHue{degrees}); })
+        .def("rotated", [](const PyBrdf& model, double degrees) { return edit_of(model, Rotate{degrees}); })
         .def("coated",
-             [](const PyBrdf& of, double roughness, double ior, const Colour& tint) {
-                 return edit_of(of, Coat{roughness, ior, colour_of(tint)});
+             [](const PyBrdf& model, double roughness, double ior, const Colour& tint) {
+                 return edit_of(model, Coat{roughness, ior, colour_of(tint)});
              })
-        .def("reduced", [](const PyBrdf& of, int lobes) { return edit_of(of, Reduce{lobes}); })
-        .def("blended", [](const PyBrdf& of, const PyBrdf& other, double mix) {
-            return PyBrdf(required(blended(of.require_model(), other.require_model(), mix)));
+        .def("reduced", [](const PyBrdf& model, int lobes) { return edit_of(model, Reduce{lobes}); })
+        .def("blended", [](const PyBrdf& model, const PyBrdf& other, double mix) {
+            return PyBrdf(required(blended(model.require_model(), other.require_model(), mix)));
         });
 }
 

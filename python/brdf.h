@@ -267,10 +267,10 @@ inline py::bytes file_bytes(const PyBrdf& brdf, bool has_provenance) {
 /// How the bytes of a measurement are read: path, columns, quantity, floor, and of arrays whether they are isotropic.
 inline py::tuple reading(const PyBrdf& brdf) {
     if (brdf.model()) return py::tuple();
-    const Origin& of = brdf.origin();
-    const auto stated = std::size_t(of.options.quantity);
-    return py::make_tuple(py::bytes(of.path), of.options.columns, stated == 0 ? "" : k_quantities[stated - 1],
-                          of.options.floor, of.isotropic);
+    const Origin& origin = brdf.origin();
+    const auto stated = std::size_t(origin.options.quantity);
+    return py::make_tuple(py::bytes(origin.path), origin.options.columns, stated == 0 ? "" : k_quantities[stated - 1],
+                          origin.options.floor, origin.isotropic);
 }
 /// The inverse of `file_bytes` and `reading`.
 inline PyBrdf unpickled(const std::string& bytes, const py::tuple& reading) {

@@ -43,7 +43,7 @@ template <typename Action> bool fails(std::size_t at, const Action& action) {
     return allocations > at;
 }
 
-/// To try every allocation takes quadratic time: after the first ones, only every k_step-th fails.
+/// Trying every allocation takes quadratic time: after the first ones, only every k_step-th fails.
 constexpr std::size_t k_step = 61;
 
 TEST(Allocations, ThatFailEndAReader) {

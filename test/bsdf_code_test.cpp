@@ -13,7 +13,7 @@ namespace {
 
 using BsdfCode = WrittenCode;
 
-/// BSDFs with parts of their own, with parts that their counterparts answer for, and with one that is 0.
+/// Returns BSDFs with parts of their own, with parts that their counterparts answer for, and with one that is 0.
 std::vector<Model> bsdfs() {
     std::vector<Model> all(3, Model{full_bsdf(), {}});
     auto& shared = std::get<BsdfModel>(all[1].model);
@@ -28,7 +28,7 @@ std::vector<Model> bsdfs() {
     return all;
 }
 
-/// With a BRDF beside them.
+/// Returns the code of these BSDFs and of a BRDF.
 std::string code_of_bsdfs(const std::vector<Model>& all, CodeLanguage language, bool sampling) {
     std::vector<NamedModel> named;
     for (std::size_t i = 0; i < all.size(); ++i) named.push_back({fmt::format("b{}", i), &all[i]});
@@ -127,7 +127,7 @@ void expect_draws(const Answer& answer, const Model& model, Vec3f wv, std::mt199
     EXPECT_PRED3(near, mean, whole, 4 * deviation + 3e-3 * whole);
 }
 
-/// On either side of a BSDF: values and beams are the library's, and samples follow their density.
+/// On both sides of a BSDF, values and beams are the library's, and samples follow their density.
 TEST_F(BsdfCode, AnswersAsTheLibrary) {
     const std::vector<Model> all = bsdfs();
     void* const library =

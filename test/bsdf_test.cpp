@@ -148,7 +148,7 @@ TEST(Bsdf, SamplesFollowTheDensity) {
         double mass = 0;
         for (double& m : expected) mass += m, m *= count;
         EXPECT_PRED3(near, mass + double(beams + lost) / count, 1, 5e-3);
-        // As many as were drawn.
+        // The expected counts are scaled to as many samples as were drawn.
         double drawn = 0, due = 0;
         for (std::size_t i = 0; i < observed.size(); ++i) drawn += observed[i], due += expected[i];
         for (double& m : expected) m *= drawn / due;

@@ -317,7 +317,7 @@ struct SamplingQuality {
 SamplingQuality sampling_quality(const RglTable& table, const Evaluate& brdf) {
     const WrittenFile written(table);
     const auto numbers = written.floats("luminance");
-    // At the node of θ_l closest to 45°, so that no slices are interpolated.
+    // The view is at the node of θ_l closest to 45°, so that no slices are interpolated.
     std::size_t slice = 0;
     for (std::size_t i = 0; i < table.theta_l.size(); ++i)
         if (std::abs(table.theta_l[i] - k_pi / 4) < std::abs(table.theta_l[slice] - k_pi / 4)) slice = i;
@@ -419,12 +419,12 @@ TEST(Convert, SpectraAreKept) {
         ASSERT_TRUE(read.ok()) << message(read.error());
         ASSERT_EQ(wavelengths(*read).size(), 5u) << format.name;
         const Vec3f wl = to_float(spherical(30 * k_degree, 0.0)), wv = to_float(spherical(25 * k_degree, 2.0));
-        std::vector<float> own(5), table(5);
-        spectra(std::get<PmModel>(model.model)).evaluate({&wl, 1}, {&wv, 1}, own);
+        std::vector<float> exact(5), table(5);
+        spectra(std::get<PmModel>(model.model)).evaluate({&wl, 1}, {&wv, 1}, exact);
         spectra(*read).evaluate({&wl, 1}, {&wv, 1}, table);
         for (std::size_t c = 0; c < 5; ++c) {
             EXPECT_PRED3(near, wavelengths(*read)[c], wavelengths(model)[c], 1e-3);
-            EXPECT_TRUE(format.name != "RGL" || near_relative(table[c], own[c], 0.02)) << table[c] << ' ' << own[c];
+            EXPECT_TRUE(format.name != "RGL" || near_relative(table[c], exact[c], 0.02)) << table[c] << ' ' << exact[c];
         }
     }
 }

@@ -21,6 +21,6 @@ class InEachDialect : public testing::TestWithParam<Dialect> {
 /// Names the tests Of/SUITE.TEST/OpenGL.
 #define IN_EACH_DIALECT(SUITE)                                                             \
     INSTANTIATE_TEST_SUITE_P(Of, SUITE, testing::Values(Dialect::gl_450, Dialect::es_300), \
-                             [](const auto& of) { return of.param == Dialect::gl_450 ? "OpenGL" : "OpenGLES"; })
+                             [](const auto& test) { return test.param == Dialect::gl_450 ? "OpenGL" : "OpenGLES"; })
 
 }  // namespace srbf

@@ -33,7 +33,7 @@ const Material k_materials[] = {
 
 double visible_error(const Evaluate& truth, const Evaluate& other) {
     constexpr int k_pixels = 32;
-    return compare_pictures(truth, {&other, 1}, 0, {}, k_pixels, true)[0].mean.delta_e;
+    return compare_pictures(truth, {&other, 1}, {.size = k_pixels, .is_isotropic = true})[0].mean.delta_e;
 }
 const PmModel& pm(const Model& model) { return std::get<PmModel>(model.model); }
 
@@ -100,9 +100,9 @@ TEST(Edit, TintedFitsLookLikeFacetsOfThoseColours) {
     const Rgb highlight{1, 0.8f, 0.6f}, body{0.5f, 1, 0.8f};
     const auto times = [](const Rgb& a, const Rgb& b) { return Rgb{a.r * b.r, a.g * b.g, a.b * b.b}; };
     for (const Material& material : k_materials) {
-        const GgxModel& own = material.truth;
+        const GgxModel& ggx = material.truth;
         const Evaluate truth = [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-            const GgxModel facets{{}, own.lobes}, diffuse{own.diffuse, {{1, {}, 0}}};
+            const GgxModel facets{{}, ggx.lobes}, diffuse{ggx.diffuse, {{1, {}, 0}}};
             for (std::size_t i = 0; i < f.size(); ++i) {
                 const Rgb a = times(value(facets, wl[i], wv[i]), highlight);
                 const Rgb b = times(value(diffuse, wl[i], wv[i]), body);
@@ -120,12 +120,12 @@ TEST(Edit, HueKeepsLuminanceAndSaturationEndsInGrey) {
     const Model model{random_model(random, {.form = PmForm::reciprocal}), {}};
     const PmModel grey = saturated(pm(model), 0), turn = turned(pm(model), 2 * k_pi), third = turned(pm(model), 0.3);
     for (std::size_t j = 0; j < grey.coefficient.size(); ++j) {
-        const Rgb own = pm(model).coefficient[j];
-        EXPECT_TRUE(near(grey.coefficient[j].r, luminance(own), 1e-6) &&
-                    near(grey.coefficient[j].b, luminance(own), 1e-6));
-        for (int c = 0; c < 3; ++c) EXPECT_TRUE(near(turn.coefficient[j][c], own[c], 1e-6));
+        const Rgb colour = pm(model).coefficient[j];
+        EXPECT_TRUE(near(grey.coefficient[j].r, luminance(colour), 1e-6) &&
+                    near(grey.coefficient[j].b, luminance(colour), 1e-6));
+        for (int c = 0; c < 3; ++c) EXPECT_TRUE(near(turn.coefficient[j][c], colour[c], 1e-6));
         const Rgb moved = third.coefficient[j];
-        EXPECT_TRUE(std::min({moved.r, moved.g, moved.b}) == 0 || near(luminance(moved), luminance(own), 1e-6));
+        EXPECT_TRUE(std::min({moved.r, moved.g, moved.b}) == 0 || near(luminance(moved), luminance(colour), 1e-6));
     }
     // Red becomes green and green blue by a third of a turn, but for grey.
     PmModel red = pm(model);

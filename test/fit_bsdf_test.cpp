@@ -72,7 +72,7 @@ FitRequest five_lobes() {
     return request;
 }
 
-/// At most 0.5 % in at most 400 bytes, and light that is neither lost nor made.
+/// Expects a fit in at most 400 bytes, whose error is at most 0.5 % and which neither loses nor makes light.
 void expect_good(const std::array<Evaluate, k_parts>& parts, bool sides_are_alike) {
     const auto fitted = fit_bsdf(parts, five_lobes());
     ASSERT_TRUE(fitted.ok()) << message(fitted.error());

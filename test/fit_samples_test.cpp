@@ -125,7 +125,7 @@ TEST(Folds, TheBrightestSamplesAreInDifferentFolds) {
 const GgxModel k_two_lobes{{0.05f, 0.05f, 0.05f},
                            {{0.013f, {0.5f, 0.5f, 0.5f}, 1}, {0.17f, {0.05f, 0.05f, 0.05f}, 0.3f}}};
 
-/// In-plane scans of `f` every two degrees, with a relative error of at most `noise`.
+/// Returns in-plane scans of `f` every two degrees, with a relative error of at most `noise`.
 ScatteredSamples scans_of(const std::function<float(Vec3f wl, Vec3f wv)>& f, std::span<const double> incidences,
                           double noise) {
     std::mt19937_64 random(1);
@@ -435,7 +435,7 @@ TEST(FitToSamples, IsJudgedAtItsSamplesToo) {
     EXPECT_TRUE(headline(errors).ends_with(ends)) << headline(errors);
 }
 
-/// Nor do lobes follow the noise of samples into gaps.
+/// Lobes do not follow the noise of samples into gaps.
 TEST(FitToSamples, HasNoHighlightForAMatteSurface) {
     constexpr double noise = 0.01;
     const auto matte = [](Vec3d, Vec3d) { return Rgb{0.16f, 0.13f, 0.1f}; };
@@ -523,7 +523,7 @@ TEST(FitToSamples, LooksLikeTheMaterialInGaps) {
             measure_heldout(rgb_channels(truth), rgb_channels(others), {k_cap}, 20000)[0].squared_error_ratio_cosine /
             seeds;
         albedo += albedo_errors(truth, others, {k_cap})[0] / seeds;
-        const Appearance appearance = compare_pictures(truth, others, 0, {}, 32)[0];
+        const Appearance appearance = compare_pictures(truth, others, {.size = 32})[0];
         delta_e += appearance.mean.delta_e / seeds;
         worst += appearance.worst_delta_e / seeds;
     }
@@ -601,7 +601,7 @@ TEST(FitToSamples, SpectralAndColourFitsOfAPaintAgree) {
     EXPECT_LT(difference, error_of(rgb->model));
 }
 
-/// Where gaps are filled, in colours, a spectral fit has the lobes and the colours of the fit to colours.
+/// A spectral fit has the lobes and the colours of the fit to colours where gaps are filled in colours.
 TEST(FitToSamples, GapsAreFilledForSpectraAsForColours) {
     ScatteredSamples samples = goniometer_samples(coated);
     samples.wavelengths = {450, 550, 650};

@@ -29,7 +29,7 @@ void expect_frugal(const std::string& name, std::span<const std::byte> bytes, in
     EXPECT_LT(children_memory(), 4 * bytes.size() + (64 << 20)) << name;
 }
 
-/// From the smallest file to the largest, since only the overall peak is known.
+/// The files are read from the smallest to the largest, since only the overall peak is known.
 TEST(Formats, ReadingTakesFourTimesTheFile) {
     const auto grey = [](std::span<const Vec3f>, std::span<const Vec3f>, std::span<Rgb> f) {
         std::ranges::fill(f, Rgb{0.1f, 0.2f, 0.3f});

@@ -80,8 +80,7 @@ std::string digits(double x) {
 
 Line line_of(const FitOutcome& outcome) {
     Hash figures;
-    for (const auto& errors : {outcome.errors, outcome.unrounded_errors})
-        if (errors) figures.add(*errors);
+    figures.add(*outcome.errors);
     figures.add(double(outcome.masked)), figures.add(double(outcome.clamped));
     for (const Trial& step : outcome.path) figures.add(step.error);
     // For a view-by-view model with many views, errors are measured at a subset of the pairs.

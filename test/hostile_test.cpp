@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Under sanitizers programs are slow and keep freed memory.
+/// Programs are slow under sanitizers and keep freed memory.
 #ifdef __SANITIZE_ADDRESS__
 constexpr bool k_is_sanitized = true;
 #else

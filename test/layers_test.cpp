@@ -105,11 +105,11 @@ TEST(Layers, NoExtraIsNamedElsewhere) {
     for (const Source& source : sources())
         for (const fs::path& included : source.included) {
             const fs::path extra = extra_of(included);
-            const fs::path own = extra_of(source.path);
-            if (extra.empty() || extra == own) continue;
-            std::ifstream in(k_root / own / "CMakeLists.txt");
+            const fs::path user = extra_of(source.path);
+            if (extra.empty() || extra == user) continue;
+            std::ifstream in(k_root / user / "CMakeLists.txt");
             const std::string needs{std::istreambuf_iterator<char>(in), {}};
-            EXPECT_TRUE(!own.empty() && needs.find(extra.filename().string()) != needs.npos)
+            EXPECT_TRUE(!user.empty() && needs.find(extra.filename().string()) != needs.npos)
                 << source.path << " includes " << included;
         }
 }

@@ -44,7 +44,7 @@ LinearProblem random_problem(std::mt19937_64& random, Index n, bool degenerate, 
 constexpr double k_regularization = 1e-6;
 MatrixXd regularized(const MatrixXd& G) { return G + MatrixXd(k_regularization * G.diagonal().asDiagonal()); }
 
-/// How far x violates the optimality conditions with columns scaled to unit length, relative to the largest gᵢ.
+/// Returns how far x violates the optimality conditions with columns scaled to unit length, relative to the largest gᵢ.
 /// Infinite if x is outside the bounds.
 double violation(const LinearProblem& p, const VectorXd& x) {
     const VectorXd descent = p.g - regularized(p.G) * x;

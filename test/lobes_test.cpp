@@ -138,7 +138,7 @@ TEST(Lobes, LossIncludesAlbedo) {
     }
 }
 
-/// The same observations with pictures.
+/// Returns the rows of the same observations with pictures.
 const Rows& rows_with_pictures() {
     static const Rows cached(observations(Objective::appearance), {.picture_importance = 0.01});
     return cached;

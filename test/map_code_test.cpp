@@ -9,7 +9,7 @@
 #include "srbf/sampling.h"
 #include "srbf/shading_code.h"
 #ifdef SRBF_RASTER
-#include "compute.h"
+#include "compute_program.h"
 #include "extras/render/offscreen.h"
 #endif
 
@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t k_width = 8, k_height = 4;
 
-/// Of axial lobes and of general ones.
+/// Returns a random map, of axial lobes or of general ones.
 TexelMap map_of(bool axial, std::size_t width = k_width, std::size_t height = k_height) {
     std::mt19937_64 random(axial ? 1 : 2);
     return random_map(random, {axial, true, 5, 3, 60, PmForm::extended}, width, height);
@@ -29,7 +29,7 @@ std::string code(const TexelMap& map, CodeLanguage language, bool albedo = true)
     return text ? *text : (ADD_FAILURE() << message(text.error()), "");
 }
 
-/// What the specification of KTX 2.0 says of a file: the numbers of its header, and levels of its texels.
+/// Holds a file of KTX 2.0 as its specification describes it: the numbers of its header, and levels of its texels.
 template <typename Number> struct TextureOf {
     std::vector<std::uint32_t> header;
     std::vector<std::vector<Number>> levels;
@@ -109,10 +109,10 @@ TEST_F(MapCode, HasTheValuesOfTheTexels) {
                             k_height, k_width) +
                 "void answer(const float* l, const float* w, const float* uv, float* to);\n"
                 "void answer(const float* l, const float* w, const float* uv, float* to) {\n"
-                "    map_Coefficients of;\n    srbf_vec3 f, wl = {w[0], w[1], w[2]}, wv = {w[3], w[4], w[5]};\n"
-                "    layers = l, of = map_coefficients(uv[0], uv[1]);\n"
-                "    f = map_brdf(wl, wv, of), to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
-                "    f = map_albedo(wv.z, of), to[3] = f.x, to[4] = f.y, to[5] = f.z;\n}\n");
+                "    map_Coefficients texel;\n    srbf_vec3 f, wl = {w[0], w[1], w[2]}, wv = {w[3], w[4], w[5]};\n"
+                "    layers = l, texel = map_coefficients(uv[0], uv[1]);\n"
+                "    f = map_brdf(wl, wv, texel), to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
+                "    f = map_albedo(wv.z, texel), to[3] = f.x, to[4] = f.y, to[5] = f.z;\n}\n");
         ASSERT_TRUE(library);
         const auto answer = function<void(const float*, const Pair*, const float*, Rgb*)>(library, "answer");
         const std::vector<Pair> at = pairs(40 * map.count());
@@ -250,7 +250,7 @@ std::vector<Place> places() {
 }
 
 GLuint program_of(const TexelMap& map) {
-    return linked(
+    return compute_program(
         "#version 450\nlayout(local_size_x = 64) in;\n"
         "layout(std430, binding = 0) readonly buffer Questions { vec4 questions[]; };\n"
         "layout(std430, binding = 1) writeonly buffer Answers { vec4 answers[]; };\n"
@@ -259,8 +259,8 @@ GLuint program_of(const TexelMap& map) {
         "}\n" +
         code(map, CodeLanguage::glsl) +
         "void main() {\n    uint i = gl_GlobalInvocationID.x;\n    level = questions[3 * i + 2].z;\n"
-        "    map_Coefficients of = map_coefficients(questions[3 * i + 2].x, questions[3 * i + 2].y);\n"
-        "    answers[i] = vec4(map_brdf(questions[3 * i].xyz, questions[3 * i + 1].xyz, of), 1.0);\n}\n");
+        "    map_Coefficients texel = map_coefficients(questions[3 * i + 2].x, questions[3 * i + 2].y);\n"
+        "    answers[i] = vec4(map_brdf(questions[3 * i].xyz, questions[3 * i + 1].xyz, texel), 1.0);\n}\n");
 }
 
 /// Binds a texture array with the levels of the file.
@@ -276,7 +276,7 @@ void bind_layers(const TexelMap& map) {
     glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_NEAREST);
 }
 
-/// What the program answers to questions of three vectors each, in groups of 64.
+/// Returns the program's answers to questions of three vectors each, in groups of 64.
 std::vector<std::array<float, 4>> answers_of(GLuint program, const std::vector<std::array<float, 4>>& questions) {
     std::vector<std::array<float, 4>> answers(questions.size() / 3);
     std::array<GLuint, 2> buffers;

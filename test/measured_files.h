@@ -96,7 +96,7 @@ inline FieldToWrite& field(std::vector<FieldToWrite>& fields, const std::string&
     throw std::out_of_range(name);
 }
 
-/// The same fields with spectra at three wavelengths instead of colours. The spectrum at w is (w_x, w_y, w_x − ½).
+/// Returns the same fields with spectra at three wavelengths, not colours. The spectrum at w is (w_x, w_y, w_x − ½).
 inline std::vector<FieldToWrite> spectral_rgl() {
     auto fields = simple_rgl();
     field(fields, "rgb").name = "spectra";

@@ -77,7 +77,7 @@ TEST(Merl, ReproducesItsNodes) {
     EXPECT_GT(checked, 500);
 }
 
-/// What the docstring of value() says, in double at a known position.
+/// Interpolates as the docstring of value() says, in double at a known position.
 double interpolated(const MerlTable& table, double h, double d, double p) {
     double sum = 0, weight = 0;
     for (int corner = 0; corner < 8; ++corner) {

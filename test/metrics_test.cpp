@@ -127,7 +127,7 @@ TEST(Metrics, OmitAndCountMissingValues) {
     EXPECT_EQ(swapped.masked, half.masked);
 }
 
-// Of values over many magnitudes, a number of samples that fills no block, some of them not measured.
+// The samples have values over many magnitudes, fill no whole number of blocks, and some of them are not measured.
 TEST(Metrics, OfSamplesAreTheirFormulas) {
     std::mt19937_64 random(3);
     const auto is_root = [](std::size_t k) { return !k_measures[k].is_ratio; };

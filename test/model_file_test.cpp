@@ -197,7 +197,7 @@ TEST(ModelFile, InvalidTensors) {
                                   Json{std::uint64_t(1) << 32, std::uint64_t(1) << 32}, Json{1025, 1}, Json{7}})
             expect_error(what, [&](File& f) { f.header[tensor]["shape"] = shape; });
     }
-    // The same number of elements with another shape.
+    // The tensor has as many elements in another shape.
     expect_error("tensor 'coefficient': shape: expected [2, 3], found [3, 2]", [](File& f) {
         f.header["coefficient"]["shape"] = {3, 2};
     });

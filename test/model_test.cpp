@@ -85,12 +85,12 @@ TEST(Model, NumbersThatHalvesDoNotHoldAreRefused) {
         for (auto& [name, value] : changed)
             if (auto* array = std::get_if<NumberArray>(&value); array && name != "centre" && name != "parameterization")
                 for (float& x : std::span(array->numbers).first(std::min<std::size_t>(array->numbers.size(), 1))) {
-                    const float own = x;
+                    const float valid = x;
                     for (const float wrong : {1e6f, 1e-9f}) {
                         x = wrong;
                         EXPECT_FALSE(model_from(changed).ok()) << name;
                     }
-                    x = own;
+                    x = valid;
                 }
     }
 }
@@ -198,7 +198,7 @@ TEST(Model, ProvenanceMayHoldAnyByte) {
     const auto back = read_model(write_model(model), "x");
     ASSERT_TRUE(back.ok()) << message(back.error());
     for (const auto& [key, text] : valid) EXPECT_EQ(back->provenance.at(key), text) << key;
-    // What is no UTF-8 is replaced; the ASCII in it stays.
+    // The text is no UTF-8: its invalid bytes are replaced, and its ASCII stays.
     EXPECT_EQ(back->provenance.at("broken").substr(0, 128), every.substr(0, 128));
     EXPECT_EQ(back->provenance.size(), provenance.size());
     EXPECT_EQ(pm(*back), pm(model));

@@ -44,7 +44,7 @@ inline PmModel random_model(std::mt19937_64& random, const RandomModelOptions& o
     return model;
 }
 
-/// The same model with coefficients at this many wavelengths.
+/// Returns the same model with coefficients at this many wavelengths.
 inline PmModel spectral_model(std::mt19937_64& random, const RandomModelOptions& options, int wavelengths) {
     PmModel model = random_model(random, options);
     for (int c = 0; c < wavelengths; ++c) model.wavelength.push_back(400 + 10.25f * float(c));

@@ -95,7 +95,7 @@ MbsdfTable table_of(const Evaluate& f) {
     return table;
 }
 
-/// Of a table with signed noise as large as its body, at its nodes.
+/// The table has signed noise as large as its body, at its nodes.
 TEST(Noise, IsHardlyLeftInASmoothedTable) {
     const Evaluate truth = evaluator(bundled("paper_white_rgb"));
     Measured measured{"", "", 0, table_of(truth)};

@@ -1,4 +1,4 @@
-// What a fit sees of a BRDF.
+// These tests are of observations: what a fit knows of a BRDF.
 #include <map>
 
 #include "errors/sphere.h"

@@ -55,9 +55,10 @@ TEST(Peak, OfSamplesIsTheSame) {
             for (int theta = -80; theta <= 80; theta += 5) {
                 const Vec3d wl = spherical(theta_l * k_degree, k_pi), wv = spherical(theta * k_degree, 0.0);
                 const auto y = float(f(wl, wv));
-                for (ScatteredSamples* of : {&scan, &steep})
-                    if (of == &scan || theta_l < 10)
-                        of->wl.push_back(to_float(wl)), of->wv.push_back(to_float(wv)), of->colour.push_back({y, y, y});
+                for (ScatteredSamples* samples : {&scan, &steep})
+                    if (samples == &scan || theta_l < 10)
+                        samples->wl.push_back(to_float(wl)), samples->wv.push_back(to_float(wv)),
+                            samples->colour.push_back({y, y, y});
             }
         EXPECT_EQ(peak_of(Measured{"f", "CSV", 0, all}).position, place);
         EXPECT_EQ(peak_of(Measured{"f", "CSV", 0, scan}).position, place);

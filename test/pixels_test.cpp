@@ -38,7 +38,7 @@ double error(const Triplet& reference, const Triplet& other) {
     return Case{{reference}, {other}}.error(slopes);
 }
 
-/// The same in double precision.
+/// Returns the same error in double precision.
 double exact_error(const Triplet& reference, Triplet other) {
     Triplet shown = reference;
     for (std::size_t c = 0; c < 3; ++c) {

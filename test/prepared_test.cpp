@@ -357,8 +357,8 @@ TEST_F(Prepared, CopiesOutliveTheirSources) {
     }
 }
 
-/// What srbf.h prepares of an anisotropic model samples as `k_anisotropic_azimuths` do for any number of threads, and of
-/// the exchanged one too.
+/// An anisotropic model that srbf.h prepares samples as `k_anisotropic_azimuths` do for any number of threads, and so
+/// does the exchanged one.
 TEST_F(Prepared, LoadedBrdfsAreExchangedAndHaveTheirAzimuths) {
     const Model model{random_model(random_, {.axial = false, .lobes = 4, .form = PmForm::extended}), {}};
     ASSERT_FALSE(is_isotropic(model));

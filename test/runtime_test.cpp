@@ -45,7 +45,7 @@ Rgb value(const Runtime& runtime, const Opened* brdf, Vec3f wl, Vec3f wv) {
 }
 float pdf(const Runtime& runtime, const Opened* brdf, Vec3f wl, Vec3f wv) { return runtime.pdf(brdf, &wl.x, &wv.x); }
 
-/// What names begin with for a linker: they have the version, here of SRBF_VERSION.
+/// Names begin with this for a linker: they have the version, here of SRBF_VERSION.
 const std::string k_prefix =
     fmt::format("srbf_v{}_{}", std::atoi(SRBF_VERSION), std::atoi(std::strchr(SRBF_VERSION, '.') + 1));
 
@@ -102,7 +102,7 @@ class RuntimeHeader : public WrittenCode {
         }
         return all;
     }
-    /// The same, prepared for samples and albedos, made once.
+    /// Returns the same cases, prepared for samples and albedos; they are made once.
     static const std::vector<Case>& prepared_cases(const Runtime& runtime) {
         static const std::vector<Case> all = [&] {
             std::vector<Case> made = cases(runtime);

@@ -274,7 +274,7 @@ TEST_F(Sampling, VarianceIsSmall) {
         for_each_pairing(*material, [&](const std::string& name, const Evaluate& brdf, const Proposal& proposal) {
             EXPECT_LT(variance(brdf, proposal, 45), is_rgl ? 0.15 : 0.3) << name;
         });
-        // Also at grazing views, with tighter bounds.
+        // Grazing views have tighter bounds.
         if (!is_rgl) continue;
         for (const auto& [theta, bound] : {std::pair(60.0, 0.05), {75.0, 0.07}, {85.0, 0.15}}) {
             EXPECT_LT(variance(evaluator(material->measured), material->table_proposal, theta), bound)

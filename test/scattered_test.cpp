@@ -334,7 +334,7 @@ TEST(ScatteredSamples, MaskMissingValues) {
               0u);
 }
 
-/// In every format such a number is masked, or is none by the format's own rule: nowhere is it a value.
+/// Every format masks such a number, or has none by its own rule: nowhere is it a value.
 TEST(Formats, MasksNumbersThatStandForNoValue) {
     const TableSource source{[](auto wl, auto wv, auto f) {
                                  for (std::size_t i = 0; i < f.size(); ++i) {  // the detector hides the light
@@ -792,7 +792,7 @@ TEST(ScatteredSamples, RealMeasurements) {
         EXPECT_EQ(s.wavelengths.size(), 31u);
         EXPECT_TRUE(s.isotropic && s.masked == 0);
     }
-    // The same samples as spectra and as colours.
+    // These files have the same samples as spectra and as colours.
     const auto spectra = load_measured((folder / "cornell" / "krylon_blue.brdf").string());
     const auto colours = load_measured((folder / "cornell" / "krylon_blue_RGB.astm").string());
     ASSERT_TRUE(colours.ok()) << message(colours.error());

@@ -13,7 +13,7 @@
 #include "statistics.h"
 #include "su_models.h"
 #ifdef SRBF_RASTER
-#include "compute.h"
+#include "compute_program.h"
 #include "extras/render/offscreen.h"
 #include "models/su/su_functions.h"
 #endif
@@ -214,7 +214,7 @@ std::string answer_text(std::size_t m, const std::string& zero, const auto& writ
                  fmt::format("{0}_pdf({0}_sample(wv, u.x, u.y, u.z), wv)", name)) +
            write(2, name + "_albedo(wv.z)", zero);
 }
-/// The same for all models; the answers are numbered consecutively.
+/// Returns the text of the answers for all models, which are numbered consecutively.
 std::string answers_text(const std::string& zero, const auto& write) {
     std::string text;
     for (std::size_t m = 0; m < models().size(); ++m)
@@ -268,7 +268,7 @@ TEST_F(ShadingCode, RunsAsCAndCpp) {
     expect_compiled(SRBF_CLANG " -x c -std=c99 -pedantic", header, "srbf_vec3", "c_of_clang", "-Ofast");
 }
 
-/// As renderers are often compiled: sums are reordered, and all numbers taken for finite.
+/// Renderers are often compiled so: sums are reordered, and all numbers taken for finite.
 TEST_F(ShadingCode, IsTheSameWithFastMath) {
     expect_compiled(SRBF_COMPILER " -x c -std=c99", code_in_c(), "srbf_vec3", "c_fast", "-O2 -ffast-math");
     void* const headers =
@@ -346,7 +346,7 @@ Answers run_shaders(const std::vector<std::string>& shaders) {
     fill(0, questions().size() * sizeof(Question), questions().data());
     fill(1, model_answers.size() * sizeof(Answer), nullptr);
     for (std::size_t m = 0; m < shaders.size(); ++m) {
-        const GLuint program = linked(shaders[m]);
+        const GLuint program = compute_program(shaders[m]);
         if (program == 0) continue;
         glUseProgram(program);
         glDispatchCompute(GLuint(questions().size() / 64), 1, 1);

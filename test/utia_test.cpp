@@ -21,7 +21,7 @@ TEST(Utia, InterpolatesItsNodes) {
     const EvaluatedTable t = table();
     std::mt19937_64 random(1);
     for (int i = 0; i < 20000; ++i) {
-        // To 89°: beyond 75° extrapolation is linear.
+        // The angles reach 89°: beyond 75° extrapolation is linear.
         const double l = 5.93 * uniform(random), v = 5.93 * uniform(random), p = 48 * uniform(random),
                      q = 48 * uniform(random);
         const Vec3f wl = to_float(spherical(l * 15 * k_degree, p * 7.5 * k_degree));

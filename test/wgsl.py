@@ -32,7 +32,7 @@ answer = chromium.run("""(async (plain, code, questions, bytes) => {
     const device = await (await navigator.gpu.requestAdapter()).requestDevice();
     const compiled = async (code) => {
         const module = device.createShaderModule({ code });
-        for (const of of (await module.getCompilationInfo()).messages) throw Error(`${of.lineNum}: ${of.message}`);
+        for (const fault of (await module.getCompilationInfo()).messages) throw Error(`${fault.lineNum}: ${fault.message}`);
         return module;
     };
     await compiled(plain);

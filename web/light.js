@@ -9,7 +9,7 @@ const k_max_bytes = 2 ** 27, k_max_width = 4096;
 
 const fail = (what, expected, found) => { throw new Error(`${what}: expected ${expected}, found ${found}`); };
 
-// What the first bytes say of a file that has neither light nor a material, as "a PNG picture"; null: that is not known.
+// The kinds of files that have neither light nor a material, as "a PNG picture", by their first bytes.
 const k_kinds = [[/^$/, "an empty file"], [/^\x89PNG/, "a PNG picture"], [/^\xff\xd8\xff/, "a JPEG picture"], [/^GIF8/, "a GIF picture"],
   [/^RIFF....WEBP/s, "a WebP picture"], [/^(II\*\0|MM\0\*)/, "a TIFF picture"], [/^BM....\0\0\0\0/s, "a BMP picture"], [/^8BPS/, "a Photoshop picture"],
   [/^....ftyp(avif|hei[cfx]|mif1)/s, "a HEIF or AVIF picture"], [/^....ftyp|^\x1aE\xdf\xa3/s, "a video"], [/^\s*(<\?xml[^>]*>\s*)?<svg\b/, "an SVG picture"],
@@ -18,7 +18,7 @@ const k_kinds = [[/^$/, "an empty file"], [/^\x89PNG/, "a PNG picture"], [/^\xff
   [/^(ID3|OggS|fLaC|RIFF....WAVE)/s, "a sound"], [/^\s*(<!--.*?-->\s*)*<(!doctype html|html)\b/is, "a web page"], [/^\s*[[{]/, "a JSON file"]];
 const first_text = (bytes) => String.fromCharCode(...bytes.subarray(0, 4096));
 const kind_of = (bytes) => k_kinds.find(([pattern]) => pattern.test(first_text(bytes)))?.[1] ?? null;
-// Whether a file is meant as an environment.
+// True if a file is meant as an environment.
 const is_environment = (name, bytes) => /\.(hdr|exr)$/i.test(name) || /^(#\?(RADIANCE|RGBE)|\x76\x2f\x31\x01)/.test(first_text(bytes));
 
 // Decodes RGBE, mantissas and an exponent in four bytes per texel, to linear colours.

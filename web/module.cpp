@@ -270,14 +270,14 @@ SRBF_EXPORT(edit) int edit(int number, const char* text, std::size_t size) {
     std::optional<Tint> tint;
     const Json json = Json::parse(text, text + size, nullptr, false);
     bool is_read = json.is_object();
-    for (const auto& [key, of] : json.items()) {
-        if ((key == "roughen" || key == "saturate" || key == "hue") && of.is_number()) {
-            (key == "roughen" ? roughen : key == "saturate" ? saturate : hue) = of.get<double>();
-        } else if ((key == "highlight" || key == "body") && of.is_array() && of.size() == 3 &&
-                   std::ranges::all_of(of, [](const Json& channel) { return channel.is_number(); })) {
+    for (const auto& [key, value] : json.items()) {
+        if ((key == "roughen" || key == "saturate" || key == "hue") && value.is_number()) {
+            (key == "roughen" ? roughen : key == "saturate" ? saturate : hue) = value.get<double>();
+        } else if ((key == "highlight" || key == "body") && value.is_array() && value.size() == 3 &&
+                   std::ranges::all_of(value, [](const Json& channel) { return channel.is_number(); })) {
             if (!tint) tint.emplace();
-            (key == "highlight" ? tint->highlight : tint->body) = {of[0].get<float>(), of[1].get<float>(),
-                                                                   of[2].get<float>()};
+            (key == "highlight" ? tint->highlight : tint->body) = {value[0].get<float>(), value[1].get<float>(),
+                                                                   value[2].get<float>()};
         } else {
             is_read = false;
         }
@@ -351,7 +351,7 @@ SRBF_EXPORT(blender_error) int blender_error(int number) {
     if (!subject || g_closures.knots() == 0) return fail(unknown("that of a script's measurement or model"));
     const Evaluate f = evaluator(*subject), fitted = evaluator(g_closures);
     const bool isotropic = is_isotropic(f, default_max_theta(k_default_objective));
-    return set_json(compare_pictures(f, {&fitted, 1}, 0, {}, k_sphere_pixels, isotropic)[0].mean.delta_e);
+    return set_json(compare_pictures(f, {&fitted, 1}, {.is_isotropic = isotropic})[0].mean.delta_e);
 }
 
 /// The subject as a table, for a file with this name.

@@ -101,7 +101,7 @@ def colours_of(texture):
 
 
 def parts_of(data):
-    """What is large in the data: where it is, its kind, its numbers, strides of differences to choose from, and a scale."""
+    """Yields the large arrays of the data: place, kind, numbers, strides of differences to choose from, and scale."""
     for mesh in data["meshes"].values():
         if mesh["index_bytes"] == 2:
             yield mesh, "triangles", array.array("H", base64.b64decode(mesh["triangles"])), [[3]], None
@@ -139,7 +139,7 @@ def packed(page):
     for k, (where, name, numbers, choices, scale) in enumerate(parts_of(data)):
         where[name] = f"@part{k}@"
         tries = [(differences(numbers, strides), strides) for strides in choices]
-        best, strides = min(tries, key=lambda of: len(zlib.compress(of[0], 9)))
+        best, strides = min(tries, key=lambda packing: len(zlib.compress(packing[0], 9)))
         parts.append({"kind": name, "strides": strides, "count": len(numbers), "scale": scale})
         binary += best
     page = DATA.sub(lambda _: json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"), page)

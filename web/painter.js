@@ -28,7 +28,7 @@ const k_calm = 150; // milliseconds from a quick picture to the detailed one
 let data = null, descriptions = {}, image = null;
 // Objects of the context, which are lost with it.
 let materials = {}, meshes = {}, programs = new Map(), last_pictures = {}, environment = null, visible = null, develop = null, comparison = null, smoothing = null, means = {};
-// For pictures under an environment: the number of samples that were averaged, and the exposure.
+// Pictures under an environment have a number of samples that were averaged, and an exposure.
 let samples = 0, exposure = 1, is_exposed = false, is_resting = false;
 // The last measured time of a sample of a pixel, in milliseconds. Until it is known, pictures start at the coarsest level.
 let pace = Infinity;

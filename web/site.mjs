@@ -15,9 +15,9 @@ const button = (show, name) => `<button type="button" data-show="${show}" aria-p
 const figure = (subject, name) => `<figure data-material="${subject}"><canvas tabindex="0" aria-label="${name}"></canvas><figcaption>${name}</figcaption></figure>\n`;
 // A slider of an edit with its reset button, from -range to range; `ends` are the labels of both ends.
 function slider(name, label, part = "", { range = 1, step = 0.02, ends = [] } = {}) {
-  const of = part && ` of the ${part}`, words = ends.map((end) => `<span>${end}</span>`).join(" ");
-  return `<label for="edit_${name}">${label}${of && `<span class="unseen">${of}</span>`}</label> <input type="range" id="edit_${name}" name="${name}" min="-${range}" max="${range}" step="${step}" value="0"> <output></output>\n` +
-    `<button type="button" data-reset="${name}" aria-label="Reset: ${label.toLowerCase()}${of}" title="Reset">↺</button>\n${words && `<span class="ends">${words}</span>\n`}`;
+  const suffix = part && ` of the ${part}`, words = ends.map((end) => `<span>${end}</span>`).join(" ");
+  return `<label for="edit_${name}">${label}${suffix && `<span class="unseen">${suffix}</span>`}</label> <input type="range" id="edit_${name}" name="${name}" min="-${range}" max="${range}" step="${step}" value="0"> <output></output>\n` +
+    `<button type="button" data-reset="${name}" aria-label="Reset: ${label.toLowerCase()}${suffix}" title="Reset">↺</button>\n${words && `<span class="ends">${words}</span>\n`}`;
 }
 const k_warmth = { ends: ["cooler", "warmer"] };
 const sliders = {

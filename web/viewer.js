@@ -165,7 +165,7 @@ function draw_now() {
   painter.send({ kind: "draw", number: ++number, pictures: pictures.length ? pictures : [], is_new, exposes, is_quick: only !== null });
   is_new = exposes = false;
 }
-// Whether there is a picture of the subject. A material or difference that is missing takes no space.
+// True if there is a picture of the subject. A material or difference that is missing takes no space.
 const is_available = (subject) => subject === "difference" ? known.has("0") && known.has("1") : known.has(subject);
 // True if there is only a model, without a measurement: then one figure shows it, or its edits.
 const is_lone = () => edits !== null && known.has("1") && !known.has("0");

@@ -602,7 +602,7 @@ void RE_IndirectSpecular_Measured(const in vec3 radiance, const in vec3 irradian
     ${sumOf(terms, 'environment', 'measured_wv')}
     reflectedLight.indirectDiffuse += reflected * material.diffuseColor;
 }
-// What three looks up for its own formulas.
+// Three looks these up for its own formulas.
 #undef STANDARD
 #define getIBLRadiance(viewer, normal, roughness) vec3(0.0)
 #undef RE_Direct
@@ -646,9 +646,9 @@ const after = (text, place, more) => text.replace(place, () => place + more);
 function addUv(shader, texture) {
     shader.uniforms.measured_transform = {
         get value() {
-            const of = texture();
-            if (of?.matrixAutoUpdate) of.updateMatrix();
-            return of?.matrix ?? new Matrix3();
+            const map = texture();
+            if (map?.matrixAutoUpdate) map.updateMatrix();
+            return map?.matrix ?? new Matrix3();
         },
     };
     shader.vertexShader = after(shader.vertexShader, '#include <uv_pars_vertex>', `
@@ -674,7 +674,7 @@ class MeasuredMaterial extends MeshStandardMaterial {
         this.saturation = source.saturation ?? 1;
         return this;
     }
-    // What three calls. A function that a page sets here runs after the material's own.
+    // Three calls this function. One that a page sets here runs after the material's own.
     get onBeforeCompile() {
         const { added } = this;
         return (shader, renderer) => {
@@ -1150,16 +1150,17 @@ savedAs('FilmMaterial', FilmMaterial);
 // The colour and saturation of each material count; all else is of the blend. Colours and saturations of the materials,
 // the shares and the texture may change without another compilation.
 export class BlendMaterial extends MeasuredMaterial {
-    constructor(...of) {
-        const { mask = null, vertexMask = false, shares, ...parameters } = of.at(-1)?.isMaterial ? {} : of.pop() ?? {};
-        if (of.length < 2 || of.length > 3 || !of.every((material) => material.reflectance && !material.texel))
+    constructor(...terms) {
+        const options = terms.at(-1)?.isMaterial ? {} : terms.pop() ?? {};
+        const { mask = null, vertexMask = false, shares, ...parameters } = options;
+        if (terms.length < 2 || terms.length > 3 || !terms.every((material) => material.reflectance && !material.texel))
             throw new Error('BlendMaterial: expected two or three materials of such modules');
-        if (of.some((a) => of.some((b) => a.reflectance === b.reflectance && a.functions !== b.functions)))
+        if (terms.some((a) => terms.some((b) => a.reflectance === b.reflectance && a.functions !== b.functions)))
             throw new Error('BlendMaterial: expected materials of different names, as modules define functions by them');
-        super('blend', parameters, { terms: of });
+        super('blend', parameters, { terms });
         this.mask = mask;
         this.vertexMask = vertexMask;
-        this.shares = shares ?? of.map(() => 1 / of.length);
+        this.shares = shares ?? terms.map(() => 1 / terms.length);
     }
     clone() {
         return new this.constructor(...this.terms, {}).copy(this);
@@ -1172,9 +1173,9 @@ export class BlendMaterial extends MeasuredMaterial {
         return this;
     }
     weights() {
-        const of = this.mask ? 'texture2D(measured_mask, measured_uv).rg' : 'measured_vertex_mask';
+        const weights = this.mask ? 'texture2D(measured_mask, measured_uv).rg' : 'measured_vertex_mask';
         return this.mask || this.vertexMask ? `
-            vec2 mask = clamp(${of}, 0.0, 1.0);
+            vec2 mask = clamp(${weights}, 0.0, 1.0);
             mask.g = ${this.terms.length > 2 ? 'min(mask.g, 1.0 - mask.r)' : '0.0'};
             measured_weights[0] = 1.0 - mask.r - mask.g;
             measured_weights[1] = mask.r;

@@ -1513,7 +1513,7 @@ static int srbf_read_ggx(srbf_file* file, srbf_model* model) {
 static int srbf_read_openpbr(srbf_file* file, srbf_model* model) {
     const int has_film = srbf_find(file, "thin_film_weight") != 0;
     const int is_anisotropic = srbf_find(file, "specular_roughness_anisotropy") != 0;
-    srbf_OpenPbrSurface* of = &model->surface;
+    srbf_OpenPbrSurface* surface = &model->surface;
     srbf_OpenPbrAnisotropy* turned = &model->anisotropy;
     srbf_OpenPbrRoughness base;
     float p[3 * SRBF_PARAMETERS], coat, alpha;
@@ -1530,14 +1530,15 @@ static int srbf_read_openpbr(srbf_file* file, srbf_model* model) {
     }
     if (file->error) return 0;
     // The members of the structures are in the order of the parameters, after the weight of the base.
-    memcpy(of, p + 1, sizeof *of), memcpy(&model->film, p + 1 + sizeof *of / sizeof *p, sizeof model->film);
-    of->base_color = srbf_scale(p[0], of->base_color);
+    memcpy(surface, p + 1, sizeof *surface);
+    memcpy(&model->film, p + 1 + sizeof *surface / sizeof *p, sizeof model->film);
+    surface->base_color = srbf_scale(p[0], surface->base_color);
     turned->amount = p[n - 2];
     turned->cosine = cosf(6.28318531f * p[n - 1]), turned->sine = sinf(6.28318531f * p[n - 1]);
-    coat = srbf_alpha_of(of->coat_roughness);
-    alpha = srbf_alpha_of(srbf_roughened(of->specular_roughness, of->coat_roughness, of->coat_weight));
+    coat = srbf_alpha_of(surface->coat_roughness);
+    alpha = srbf_alpha_of(srbf_roughened(surface->specular_roughness, surface->coat_roughness, surface->coat_weight));
     base = srbf_openpbr_roughness(alpha, turned->amount);
-    model->facets = of->coat_weight > 0.0f ? 2 : 1;
+    model->facets = surface->coat_weight > 0.0f ? 2 : 1;
     model->facet[0] = srbf_facets_along(turned->cosine, turned->sine, base.along, base.across);
     model->facet[1] = srbf_facets_along(1.0f, 0.0f, coat, coat);
     return 1;
@@ -1939,8 +1940,8 @@ static srbf_vec3 srbf_ring_share(const srbf_beam* beam, int ring, int first, flo
 }
 // The share of the light from wl that a part lets pass unscattered: linear in the azimuth, and in theta between rings.
 static srbf_vec3 srbf_beam_share(const srbf_brdf* brdf, int part, srbf_vec3 wl) {
-    const srbf_beam *own = &brdf->beam[part], *beam = part >= 2 && !own->rings ? &brdf->beam[part ^ 1] : own;
-    const float theta = acosf(srbf_min(wl.z, 1.0f)), sign = beam == own ? 1.0f : -1.0f;
+    const srbf_beam *stored = &brdf->beam[part], *beam = part >= 2 && !stored->rings ? &brdf->beam[part ^ 1] : stored;
+    const float theta = acosf(srbf_min(wl.z, 1.0f)), sign = beam == stored ? 1.0f : -1.0f;
     const float turns = srbf_turns((double)atan2f(sign * wl.y, sign * wl.x) / 6.283185307179586);
     srbf_vec3 high = srbf_vec3_of(0.0f, 0.0f, 0.0f);
     int next = 0, first = 0, before = 0;
@@ -1962,49 +1963,49 @@ typedef struct {
 } srbf_chances;
 static srbf_chances srbf_chances_of(const srbf_brdf* brdf, srbf_vec3 v, int is_back) {
     const srbf_vec3 none = {0.0f, 0.0f, 0.0f};
-    srbf_chances of;
+    srbf_chances chances;
     float sum = 0.0f, total = 0.0f;
     int k;
-    memset(&of, 0, sizeof of);
-    of.part[0] = &brdf->part[is_back], of.part[1] = &brdf->part[3 - is_back];
-    of.chance[0] = brdf->is_two_sided ? 0.0f : 1.0f;
-    if (!brdf->is_two_sided) return of;
+    memset(&chances, 0, sizeof chances);
+    chances.part[0] = &brdf->part[is_back], chances.part[1] = &brdf->part[3 - is_back];
+    chances.chance[0] = brdf->is_two_sided ? 0.0f : 1.0f;
+    if (!brdf->is_two_sided) return chances;
     for (k = 0; k < 2; ++k) {
-        const srbf_vec3 albedo = of.part[k]->model ? srbf_part_albedo(of.part[k], v.z) : none;
-        of.share[k] = srbf_beam_share(brdf, (int)(of.part[k] - brdf->part), srbf_vec3_of(-v.x, -v.y, v.z));
-        of.chance[2 * k] = srbf_luminance(albedo), of.chance[2 * k + 1] = srbf_luminance(of.share[k]);
-        sum += of.chance[2 * k] + of.chance[2 * k + 1];
+        const srbf_vec3 albedo = chances.part[k]->model ? srbf_part_albedo(chances.part[k], v.z) : none;
+        chances.share[k] = srbf_beam_share(brdf, (int)(chances.part[k] - brdf->part), srbf_vec3_of(-v.x, -v.y, v.z));
+        chances.chance[2 * k] = srbf_luminance(albedo), chances.chance[2 * k + 1] = srbf_luminance(chances.share[k]);
+        sum += chances.chance[2 * k] + chances.chance[2 * k + 1];
     }
     for (k = 0; k < 4; ++k) {
-        const float least = k % 2 == 0 && of.part[k / 2]->model ? sum > 0.0f ? 1.0e-3f * sum : 1.0f : 0.0f;
-        total += of.chance[k] = srbf_max(of.chance[k], least);
+        const float least = k % 2 == 0 && chances.part[k / 2]->model ? sum > 0.0f ? 1.0e-3f * sum : 1.0f : 0.0f;
+        total += chances.chance[k] = srbf_max(chances.chance[k], least);
     }
-    for (k = 0; k < 4 && total > 0.0f; ++k) of.chance[k] /= total;
-    return of;
+    for (k = 0; k < 4 && total > 0.0f; ++k) chances.chance[k] /= total;
+    return chances;
 }
 
 void srbf_sample(const srbf_brdf* brdf, const float wv[3], const float u[3], srbf_light* light) {
     const int is_back = wv[2] < 0.0f;
     float selector = u[2], *weight = light->weight;
-    srbf_chances of;
+    srbf_chances chances;
     srbf_vec3 v, same;
     int k, c;
     memset(light, 0, sizeof *light);
     if (!srbf_is_above(brdf, wv, wv, &same, &v)) return;
-    of = srbf_chances_of(brdf, v, is_back);
-    for (k = 0; k < 4 && !(selector < of.chance[k]); ++k) selector -= of.chance[k];
+    chances = srbf_chances_of(brdf, v, is_back);
+    for (k = 0; k < 4 && !(selector < chances.chance[k]); ++k) selector -= chances.chance[k];
     if (k == 4) return;
     if (k % 2 == 0) {
-        const float in_part[3] = {u[0], u[1], srbf_min(selector / of.chance[k], 0.99999994f)};
-        srbf_part_sample(of.part[k / 2], v, in_part, light);
-        light->pdf *= of.chance[k];
+        const float in_part[3] = {u[0], u[1], srbf_min(selector / chances.chance[k], 0.99999994f)};
+        srbf_part_sample(chances.part[k / 2], v, in_part, light);
+        light->pdf *= chances.chance[k];
     } else {
         const srbf_vec3 straight = srbf_vec3_of(-v.x, -v.y, v.z);
-        memcpy(light->wl, &straight, sizeof straight), memcpy(weight, &of.share[k / 2], sizeof straight);
+        memcpy(light->wl, &straight, sizeof straight), memcpy(weight, &chances.share[k / 2], sizeof straight);
         light->is_beam = 1;
     }
     if (is_back != (k >= 2)) light->wl[2] = -light->wl[2];
-    for (c = 0; c < 3; ++c) weight[c] /= of.chance[k];
+    for (c = 0; c < 3; ++c) weight[c] /= chances.chance[k];
 }
 
 // The value and the density, each unless its pointer is null.

@@ -16,7 +16,7 @@ ROUGHER, COATS, SHARES = [0.5, 0.7, 1, 1.5, 2, 2.5, 3], [0.02, 0.05, 0.1, 0.2, 0
 
 
 def tint(i):
-    """From cool to warm; white for i = 3."""
+    """Returns a tint from cool to warm; it is white for i = 3."""
     return f"{2 ** ((i - 3) / 5):.2f},1,{2 ** ((3 - i) / 5):.2f}"
 
 

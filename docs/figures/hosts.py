@@ -30,7 +30,7 @@ def page_of(three, cycles):
     pictures = [(three, column) for column in range(6)] + [(cycles, column) for column in range(3)]
     rows = ""
     for row, name in enumerate(ROWS):
-        cells = (cell(*of, row) if (row, column) not in EMPTY else "<td></td>" for column, of in enumerate(pictures))
+        cells = (cell(*picture, row) if (row, column) not in EMPTY else "<td></td>" for column, picture in enumerate(pictures))
         rows += f"<tr><td>{name}</td>" + "".join(cells) + "</tr>"
     return f'<style>{STYLE}</style><table>{heads}{rows}</table>'
 

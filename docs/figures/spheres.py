@@ -84,9 +84,9 @@ def models(out, rgl, networks):
             table = os.path.join(work, "network.mbsdf")
             table_of(network, table)
             drawn = [*shown, srbf.load_measurement(table)]
-            row(name, "studio", measured, drawn, [of["delta_e_itp"] for of in errors])
+            row(name, "studio", measured, drawn, [error["delta_e_itp"] for error in errors])
             if stem == "cc_ibiza_sunset":
-                row(name + "<br><i>flash</i>", "flash", measured, drawn, [of["lightings"]["flash"]["delta_e_itp"] for of in errors])
+                row(name + "<br><i>flash</i>", "flash", measured, drawn, [error["lightings"]["flash"]["delta_e_itp"] for error in errors])
     grid(["measured", *MODELS, "NBRDF, 1,350"], rows, 90, 160, out)
 
 

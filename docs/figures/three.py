@@ -18,7 +18,7 @@ here = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(here, "..", "..", "test"))
 import chromium  # noqa: E402
 from seen import delta_e, displayed, equirectangular, exposure  # noqa: E402
-from surface_host import DISTANCE, ELEVATION, FIELD, pixels_of  # noqa: E402
+from surface_drawing import DISTANCE, ELEVATION, FIELD, pixels_of  # noqa: E402
 
 SIZE, PATHS = 240, 512  # pixels of a side; paths of a pixel
 FINE = 1 / 200  # the last step of the search
@@ -27,7 +27,7 @@ PAGE = """<!doctype html><script type="importmap">{ "imports": { "three": "./thr
 import * as THREE from "three";
 import { FilmMaterial } from "./film.js";
 const renderer = new THREE.WebGLRenderer(), scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera(FIELD, 1, 0.1, 100);
-const sphere = new THREE.Mesh(new THREE.SphereGeometry(1, 192, 96)), own = new THREE.MeshStandardMaterial(), film = new FilmMaterial();
+const sphere = new THREE.Mesh(new THREE.SphereGeometry(1, 192, 96)), standard = new THREE.MeshStandardMaterial(), film = new FilmMaterial();
 scene.add(sphere);
 camera.position.set(...EYE);
 camera.lookAt(0, 0, 0);
@@ -50,8 +50,8 @@ window.light = (rows, width, height) => {
 const target = new THREE.WebGLRenderTarget(SIZE, SIZE, { type: THREE.FloatType, colorSpace: THREE.LinearSRGBColorSpace, samples: 0 });
 // With five numbers a MeshStandardMaterial: colour, roughness, metalness; otherwise the exported one.
 window.draw = (numbers) => {
-    if (numbers) own.color.setRGB(...numbers.slice(0, 3)), [own.roughness, own.metalness] = numbers.slice(3);
-    sphere.material = numbers ? own : film;
+    if (numbers) standard.color.setRGB(...numbers.slice(0, 3)), [standard.roughness, standard.metalness] = numbers.slice(3);
+    sphere.material = numbers ? standard : film;
     renderer.setRenderTarget(target);
     renderer.render(scene, camera);
     const pixels = new Float32Array(4 * SIZE * SIZE);
@@ -76,7 +76,7 @@ def best(error):
     least = error(numbers)
     while step > FINE:
         tries = [np.clip(numbers + sign * step * np.eye(5)[i], 0, 1) for i in range(5) for sign in (-1, 1)]
-        errors = [error(of) for of in tries]
+        errors = [error(guess) for guess in tries]
         if min(errors) < least:
             least, numbers = min(errors), tries[int(np.argmin(errors))]
         else:
@@ -93,7 +93,7 @@ def row(page, reference, inside):
     """The panels of a row: a name and a picture each."""
     error = lambda picture: delta_e(picture[inside], reference[inside])
     film = drawn(page)
-    numbers, least = best(lambda of: error(drawn(page, of.tolist())))
+    numbers, least = best(lambda guess: error(drawn(page, guess.tolist())))
     print("colour, roughness, metalness", numbers.round(3).tolist())
     return [("measured", reference), (f"FilmMaterial, ΔE {error(film):.1f}", film),
             (f"MeshStandard, ΔE {least:.1f}", drawn(page, numbers.tolist()))]

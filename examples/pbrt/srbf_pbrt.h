@@ -46,16 +46,17 @@ class SrbfBxDF {
         srbf_plain::value(*brdf_, Front(wi).w, Front(wo).w, f);
         return spectrum(f);
     }
-    pstd::optional<BSDFSample> Sample_f(Vector3f wo, Float uc, Point2f u, TransportMode, BxDFReflTransFlags of) const {
-        if (!(of & BxDFReflTransFlags::Reflection) || !reflects(wo, wo)) return {};
+    pstd::optional<BSDFSample> Sample_f(Vector3f wo, Float uc, Point2f u, TransportMode,
+                                        BxDFReflTransFlags flags) const {
+        if (!(flags & BxDFReflTransFlags::Reflection) || !reflects(wo, wo)) return {};
         const float numbers[2] = {float(u.x), float(u.y)};
         float wl[3], f[3];
         const float density = srbf_plain::sample(*brdf_, Front(wo).w, float(uc), numbers, wl, f);
         if (!(density > 0)) return {};
         return BSDFSample(spectrum(f), Vector3f(wl[0], wl[1], std::copysign(wl[2], wo.z)), density, Flags());
     }
-    Float PDF(Vector3f wo, Vector3f wi, TransportMode, BxDFReflTransFlags of) const {
-        if (!(of & BxDFReflTransFlags::Reflection) || !reflects(wo, wi)) return 0;
+    Float PDF(Vector3f wo, Vector3f wi, TransportMode, BxDFReflTransFlags flags) const {
+        if (!(flags & BxDFReflTransFlags::Reflection) || !reflects(wo, wi)) return 0;
         return srbf_plain::pdf(*brdf_, Front(wi).w, Front(wo).w);
     }
     BxDFFlags Flags() const { return BxDFFlags::GlossyReflection; }

@@ -19,10 +19,10 @@ inline bool SameHemisphere(Vector3f w, Vector3f wp) { return w.z * wp.z > 0; }
 /// Three wavelengths, at which the spectrum of a colour has its three values.
 struct SampledWavelengths {};
 struct RGB {
-    Float of[3];
-    RGB(Float r, Float g, Float b) : of{r, g, b} {}
-    explicit RGB(Float grey) : of{grey, grey, grey} {}
-    Float operator[](int i) const { return of[i]; }
+    Float channel[3];
+    RGB(Float r, Float g, Float b) : channel{r, g, b} {}
+    explicit RGB(Float grey) : channel{grey, grey, grey} {}
+    Float operator[](int i) const { return channel[i]; }
 };
 using SampledSpectrum = RGB;
 struct RGBColorSpace {
@@ -30,7 +30,7 @@ struct RGBColorSpace {
 };
 struct RGBUnboundedSpectrum {
     RGB rgb;
-    RGBUnboundedSpectrum(const RGBColorSpace&, RGB of) : rgb(of) {}
+    RGBUnboundedSpectrum(const RGBColorSpace&, RGB value) : rgb(value) {}
     SampledSpectrum Sample(const SampledWavelengths&) const { return rgb; }
 };
 
@@ -43,8 +43,8 @@ struct BSDFSample {
     Vector3f wi;
     Float pdf;
     BxDFFlags flags;
-    BSDFSample(SampledSpectrum of, Vector3f to, Float density, BxDFFlags kind)
-        : f(of), wi(to), pdf(density), flags(kind) {}
+    BSDFSample(SampledSpectrum value, Vector3f to, Float density, BxDFFlags kind)
+        : f(value), wi(to), pdf(density), flags(kind) {}
 };
 
 struct MaterialEvalContext {};
@@ -52,7 +52,7 @@ struct FloatTexture {};
 class Image;
 struct FileLoc {};
 struct Allocator {
-    template <typename T, typename... Of> T* new_object(Of... of) { return new T(of...); }
+    template <typename T, typename... Arguments> T* new_object(Arguments... arguments) { return new T(arguments...); }
 };
 struct TextureParameterDictionary {
     std::string GetOneString(const std::string&, const std::string& otherwise) const { return otherwise; }

@@ -132,7 +132,7 @@ class PatchFits {
             if (progress.cancelled()) return cancelled_error("fit");
             PmModel lobes = fit->unrounded;
             FitOutcome outcome = outcome_of(*std::move(fit));
-            exchange(outcome.model), exchange(outcome.unrounded);
+            exchange(outcome.model);
             const Evaluate fitted = evaluator(outcome.model);
             const double error = measured_.error_ratio(fitted), previous_error = best_ ? error_ : 2 * error;
             if (error < previous_error) best_ = outcome, error_ = error;

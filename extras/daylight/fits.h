@@ -13,8 +13,8 @@ inline constexpr PatchFit k_daylight_fits[] = {
      [](const Measured& part, const Evaluate& f) {
          return sums_of(*own_table<KlemsTable>(part), k_measured_points).error_ratio(f);
      },
-     [](const Measured& of, const Evaluate& f, const Beams& beams, Part part) {
-         return hemispherical(*own_table<KlemsTable>(of), f, beams, part);
+     [](const Measured& measured, const Evaluate& f, const Beams& beams, Part part) {
+         return hemispherical(*own_table<KlemsTable>(measured), f, beams, part);
      }}};
 
 }  // namespace srbf

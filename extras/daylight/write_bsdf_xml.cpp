@@ -91,9 +91,9 @@ AngleBasis basis_of(const TableOptions& options) {
 }
 
 /// A part as a matrix in the chosen basis. A measured matrix in that basis is used unchanged.
-KlemsTable klems_of(const Measured* own, const TableSource& source, Part part, const TableOptions& options) {
+KlemsTable klems_of(const Measured* measured, const TableSource& source, Part part, const TableOptions& options) {
     const AngleBasis basis = basis_of(options);
-    const auto* matrix = own ? own_table<KlemsTable>(*own) : nullptr;
+    const auto* matrix = measured ? own_table<KlemsTable>(*measured) : nullptr;
     if (matrix && matrix->incident.name == basis.name && matrix->outgoing.name == basis.name) return *matrix;
     const auto values = [evaluate = part_of(non_negative(source.values), part), &options](auto wl, auto wv, auto f) {
         if (!options.progress.cancelled()) evaluate(wl, wv, f);
@@ -105,13 +105,13 @@ KlemsTable klems_of(const Measured* own, const TableSource& source, Part part, c
 
 /// A band of matrices that include the beams of their parts.
 BsdfTable::Band patches_of(std::string name, const TableSource& source, const TableOptions& options) {
-    const auto* own =
+    const auto* bsdf =
         source.measured && !source.measured->exchanged ? std::get_if<BsdfTable>(&source.measured->table) : nullptr;
     BsdfTable::Band band{std::move(name), {}, {}};
     for (std::size_t p = 0; p < k_parts; ++p)
         if (source.has[p])
             band.part[p] = std::make_shared<const Measured>(Measured{
-                {}, {}, 0, evaluated(klems_of(own ? own->band().part[p].get() : nullptr, source, Part(p), options))});
+                {}, {}, 0, evaluated(klems_of(bsdf ? bsdf->band().part[p].get() : nullptr, source, Part(p), options))});
     return band;
 }
 

@@ -137,7 +137,8 @@ TexelMap map_of(const Observed& observed, const MapOptions& options, Reporter& r
     TexelMap map;
     on_threads(options.threads, [&] {
         std::vector<std::unique_ptr<Rows>> rows;
-        for (const auto& of : observed) rows.push_back(std::make_unique<Rows>(Subsets(*of).rows(Pairs::search, {})));
+        for (const auto& observations : observed)
+            rows.push_back(std::make_unique<Rows>(Subsets(*observations).rows(Pairs::search, {})));
         Lobes lobes = search_for_lobes(rows, options, reporter);
         lobes = refine(std::move(lobes), observed, reporter);
         map.basis = basis_model(lobes);
@@ -151,17 +152,17 @@ TexelMap map_of(const Observed& observed, const MapOptions& options, Reporter& r
     });
     for (int j = 0; j < map.basis.lobes; ++j) {
         double largest = k_none;
-        for (const auto& of : log_beta) largest = std::max(largest, of.row(j).maxCoeff());
+        for (const auto& logarithms : log_beta) largest = std::max(largest, logarithms.row(j).maxCoeff());
         if (std::isfinite(largest))
             map.basis.log_scale[std::size_t(j)] =
                 round_to_half(float(largest - elementary::log(k_largest_coefficient)));
     }
-    for (const auto& of : log_beta)
+    for (const auto& logarithms : log_beta)
         for (int j = 0; j < map.basis.lobes; ++j) {
             Rgb& beta = map.coefficient.emplace_back();
             for (int c = 0; c < 3; ++c)
-                beta[c] =
-                    float(elementary::exp(std::min(of(j, c) - double(map.basis.log_scale[std::size_t(j)]), 11.0)));
+                beta[c] = float(
+                    elementary::exp(std::min(logarithms(j, c) - double(map.basis.log_scale[std::size_t(j)]), 11.0)));
         }
     map.width = observed.size();
     map.error.assign(observed.size(), 0.f);
@@ -175,14 +176,11 @@ Result<TexelMap> fit_map(std::span<const Measured> materials, const MapOptions& 
     const StandardArithmetic mode;
     if (const auto valid = check_options(options); !valid) return valid.error();
     if (materials.empty()) return argument_error("fit_map", "materials", "at least 1", "0");
-    for (const Measured& of : materials)
-        if (std::holds_alternative<ScatteredSamples>(of.table) || std::holds_alternative<BsdfTable>(of.table))
-            return Error{of.source,
-                         {},
-                         "input",
-                         "a table of one side",
-                         "samples, or reflection and transmission",
-                         ErrorCode::wrong_kind};
+    for (const Measured& given : materials)
+        if (std::holds_alternative<ScatteredSamples>(given.table) || std::holds_alternative<BsdfTable>(given.table))
+            return Error{
+                given.source,         {}, "input", "a table of one side", "samples, or reflection and transmission",
+                ErrorCode::wrong_kind};
     Reporter reporter(progress, double(options.lobes) + 3 * double(materials.size()));
     Observed observed(materials.size());
     std::vector<std::optional<Error>> errors(materials.size());
@@ -202,7 +200,9 @@ Result<TexelMap> fit_map(std::span<const Measured> materials, const MapOptions& 
     parallel_for(materials.size(), options.threads, [&](std::size_t t) {
         const Model model = texel(map, t);
         const Evaluate fitted = evaluator(model);
-        const auto of_pictures = compare_pictures(evaluator(materials[t]), {&fitted, 1}, 1);
+        const auto of_pictures =
+            compare_pictures(evaluator(materials[t]), {&fitted, 1},
+                             {.threads = 1, .is_isotropic = is_isotropic(materials[t]) && is_isotropic(model)});
         map.error[t] = round_to_half(float(std::min(of_pictures[0].mean.delta_e, double(k_half_max))));
         reporter.advance("measuring errors", 0.5);
     });

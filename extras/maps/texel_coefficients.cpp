@@ -116,7 +116,7 @@ struct LobeProducts {
 
 std::vector<const float*> columns_of(const std::vector<Aligned<float>>& values) {
     std::vector<const float*> columns;
-    for (const Aligned<float>& of : values) columns.push_back(of.data());
+    for (const Aligned<float>& column : values) columns.push_back(column.data());
     return columns;
 }
 
@@ -238,8 +238,8 @@ void leave_out_largest(const SharedPairs& pairs, std::span<Rgb> f) {
     std::size_t largest = 0;
     double most = -1;
     for (std::size_t i = 0; i < f.size(); ++i)
-        if (const double of = largest_of(f[i]) * cosines(pairs.wl[i], pairs.wv[i]); is_finite(f[i]) && of > most)
-            most = of, largest = i;
+        if (const double x = largest_of(f[i]) * cosines(pairs.wl[i], pairs.wv[i]); is_finite(f[i]) && x > most)
+            most = x, largest = i;
     f[largest].r = std::numeric_limits<float>::quiet_NaN();
 }
 
@@ -271,8 +271,8 @@ TexelCoefficients coefficients_of_texels(const TexelMap& map, const SharedPairs&
             for (std::size_t n = 0; n < next.size(); ++n)
                 if (texels.state[next[n]] == TexelState::failed && texels.left_out[next[n]] < pairs.above) {
                     failed.push_back(next[n]);
-                    const auto of = values.subspan(n * M, M);
-                    others.insert(others.end(), of.begin(), of.end());
+                    const auto texel = values.subspan(n * M, M);
+                    others.insert(others.end(), texel.begin(), texel.end());
                     leave_out_largest(shared, std::span(others).last(M));
                 }
             next = std::move(failed), remaining = std::move(others), values = remaining;

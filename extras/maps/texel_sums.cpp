@@ -147,7 +147,7 @@ HWY_INLINE void add_sums(std::span<const float* const> columns, std::size_t firs
         for (std::size_t t = 0; t < k_tile; ++t) column[t] = columns[std::min(n + t, columns.size() - 1)] + first;
         for (std::size_t v = 0; v < k_block_texels; v += k_width) {
             Batch sum[k_tile];
-            for (Batch& of : sum) of = Batch(0.0);
+            for (Batch& total : sum) total = Batch(0.0);
             for (std::size_t i = 0; i < k_pair_multiple; ++i) {
                 const Batch factor = Batch::load(row(factors, i) + v);
                 for (std::size_t t = 0; t < k_tile; ++t) sum[t] = sum[t] + number(column[t][i]) * factor;

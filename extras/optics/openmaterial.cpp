@@ -219,8 +219,8 @@ std::string write_openmaterial(const ScatteredSamples& samples) {
 }
 
 Result<std::vector<std::byte>> write_as_openmaterial(const TableSource& source, const TableOptions& options) {
-    const auto* own = source.measured ? std::get_if<ScatteredSamples>(&source.measured->table) : nullptr;
-    if (own) return bytes_of(write_openmaterial(*own));
+    const auto* measured = source.measured ? std::get_if<ScatteredSamples>(&source.measured->table) : nullptr;
+    if (measured) return bytes_of(write_openmaterial(*measured));
     ScatteredSamples samples = sample_on_grid(source.values, options.description);
     set_spectra(samples, source.spectra);
     return bytes_of(write_openmaterial(samples));

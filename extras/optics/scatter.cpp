@@ -313,10 +313,10 @@ std::vector<ScatterTable> scatter_tables(const TableSource& source, bool about_m
     std::vector<ScatterTable> tables;
     for (const Part part : {Part::reflection_front, Part::transmission_front}) {
         if (!source.has[std::size_t(part)]) continue;
-        const Measured* own = source.measured && !source.measured->exchanged ? source.measured : nullptr;
-        const auto* bsdf = own ? std::get_if<BsdfTable>(&own->table) : nullptr;
-        if (bsdf) own = bsdf->band().part[std::size_t(part)].get();
-        const auto* table = own ? own_table<ScatterTable>(*own) : nullptr;
+        const Measured* measured = source.measured && !source.measured->exchanged ? source.measured : nullptr;
+        const auto* bsdf = measured ? std::get_if<BsdfTable>(&measured->table) : nullptr;
+        if (bsdf) measured = bsdf->band().part[std::size_t(part)].get();
+        const auto* table = measured ? own_table<ScatterTable>(*measured) : nullptr;
         if (table && table->about_mirror == about_mirror) {
             tables.push_back(*table);
             continue;

@@ -93,9 +93,9 @@ ScatterTable::Slice read_speos_slice(ScatterText& text, const SpeosSide& side, f
     return slice;
 }
 
-/// The factor for values whose integral is `own` if the file states the share of light `stated`.
-double speos_scale(double own, double stated) {
-    return own > 0 && stated > 0 && !(std::abs(own - stated) <= k_same_percentage * stated) ? stated / own : 1;
+/// The factor for values whose integral is `found` if the file states the share of light `stated`.
+double speos_scale(double found, double stated) {
+    return found > 0 && stated > 0 && !(std::abs(found - stated) <= k_same_percentage * stated) ? stated / found : 1;
 }
 
 /// Tints all values with the percentages by wavelength.

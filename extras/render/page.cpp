@@ -37,8 +37,8 @@ Json texture(const char* sampler, const char* target, const char* format, std::v
 
 /// The inputs of a material's shader: "block", the numbers of PmNumbers; "vectors", of the uniform "vectors_name";
 /// "textures".
-template <typename M> Json numbers_of(const M& of) {
-    const Uniform uniform = uniform_of(of);
+template <typename M> Json numbers_of(const M& model) {
+    const Uniform uniform = uniform_of(model);
     if (uniform.numbers.empty()) return Json::object();
     return {{"vectors", base64_of(uniform.numbers)}, {"vectors_name", uniform.name}};
 }

@@ -302,8 +302,8 @@ Rgb mask_shares(const Image& mask, std::size_t materials, Vec2f uv) {
 }
 
 const PreparedBsdf& MaskedMaterials::chosen(Vec2f uv, float selector) const {
-    const Rgb shares = mask_shares(mask, of.size(), uv);
-    return of[selector < shares.g ? 1 : selector < shares.g + shares.b ? 2 : 0];
+    const Rgb shares = mask_shares(mask, materials.size(), uv);
+    return materials[selector < shares.g ? 1 : selector < shares.g + shares.b ? 2 : 0];
 }
 
 PathPicture render_paths(const PathScene& scene, const PathOptions& options) {

@@ -25,7 +25,7 @@ Rgb mask_shares(const Image& mask, std::size_t materials, Vec2f uv);
 
 /// Two or three materials, mixed by `mask_shares` at each point of a mesh with texture coordinates.
 struct MaskedMaterials {
-    std::vector<PreparedBsdf> of;
+    std::vector<PreparedBsdf> materials;
     Image mask;
 
     /// The material that a path meets at (u, v), for a number uniform in [0, 1): each with its share as probability.

@@ -14,7 +14,7 @@ enum class PixelInput {
     /// Interpolated over the triangle. Also shades surfaces that are hidden later; the samples of a pixel are
     /// shaded separately.
     triangles,
-    /// From a `RasterSurface` of an earlier pass. Shades each pixel once, however small the triangles are.
+    /// A `RasterSurface` of an earlier pass is read. Each pixel is shaded once, however small the triangles are.
     surface,
 };
 

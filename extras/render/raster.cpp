@@ -269,11 +269,11 @@ void RasterMaterial::load(const PmModel& model) {
     glUniformBlockBinding(program_.id(), glGetUniformBlockIndex(program_.id(), "PmNumbers"), 0);
 }
 
-void RasterMaterial::load(const Uniform& of) {
-    if (of.numbers.empty()) return;
-    data_bytes_ = of.numbers.size() * sizeof(Float4);
-    glUniform4fv(glGetUniformLocation(program_.id(), of.name.c_str()), GLsizei(of.numbers.size()),
-                 of.numbers[0].data());
+void RasterMaterial::load(const Uniform& uniform) {
+    if (uniform.numbers.empty()) return;
+    data_bytes_ = uniform.numbers.size() * sizeof(Float4);
+    glUniform4fv(glGetUniformLocation(program_.id(), uniform.name.c_str()), GLsizei(uniform.numbers.size()),
+                 uniform.numbers[0].data());
 }
 
 void RasterMaterial::load(const SuModel& model) {
@@ -477,10 +477,10 @@ Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Mat
     const RasterMesh mesh(scene.mesh);
     const RasterView view{scene.camera, double(width) / height, scene.lights};
     std::vector<Rendering> renderings;
-    for (const Material& of : materials) {
-        const auto material = RasterMaterial::make(of, {.dialect = context->dialect(),
-                                                        .output = PixelOutput::radiance,
-                                                        .lights = std::max(1, int(scene.lights.size()))});
+    for (const Material& shown : materials) {
+        const auto material = RasterMaterial::make(shown, {.dialect = context->dialect(),
+                                                           .output = PixelOutput::radiance,
+                                                           .lights = std::max(1, int(scene.lights.size()))});
         if (!material) return material.error();
         target->begin();
         material->draw(mesh, view);

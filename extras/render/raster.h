@@ -103,7 +103,7 @@ class RasterMaterial {
     void load(const PmModel& model);
     void load(const SuModel& model);
     void load(const BsdfTables& tables);
-    template <typename M> void load(const M& of) { load(uniform_of(of)); }  // numbers of a BSDF are in the text
+    template <typename M> void load(const M& model) { load(uniform_of(model)); }  // numbers of a BSDF are in the text
     void load(const Uniform& uniform);
     void load_table(std::array<std::uint32_t, 3> size, std::vector<Float4> texels);
 
@@ -120,8 +120,8 @@ class RasterTarget {
     /// A target of `samples` per pixel, or as many as OpenGL supports. Returns an error if it is larger than OpenGL's
     /// framebuffers, or if float formats cannot be rendered to.
     static Result<RasterTarget> make(int width, int height, int samples, Format format);
-    /// A target for the second pass over `surface`, with its size and depths, one sample per pixel and bytes. It must
-    /// not outlive the surface.
+    /// Makes a target for the second pass over `surface`, with the same size and depths, one sample per pixel and
+    /// bytes. It must not outlive `surface`.
     static Result<RasterTarget> make_for(const RasterSurface& surface);
     /// Binds the framebuffer, sets its viewport and clears it to 0 without coverage, or to the grey background of
     /// `shown` pictures. Depths are cleared only if the target owns them.

@@ -148,7 +148,7 @@ struct LobePlot {
         return svg + svg_line("axis", x0 - radius, y0(), x0 + radius, y0()) +
                svg_line("axis", x0, is_circle ? y0() + radius : y0(), x0, y0() - radius);
     }
-    std::string curve(const SliceCurve& of, const LuminanceSlice& slice, bool is_first) const {
+    std::string curve(const SliceCurve& style, const LuminanceSlice& slice, bool is_first) const {
         constexpr double least_step = 1.5;
         Outline outline;
         for (std::size_t i = 0; i < slice.degrees.size(); ++i) {
@@ -156,7 +156,7 @@ struct LobePlot {
             const double r = std::isnan(y) ? y : std::min(r_of(y), outside * radius);
             outline.add(x_of(r, angle), y_of(r, angle), least_step);
         }
-        return curve_path(of, outline, is_first);
+        return curve_path(style, outline, is_first);
     }
 };
 

@@ -60,7 +60,7 @@ void plan_table(Plan& plan, bool quick) {
     for (const int lobes : {2, 4, 8}) plan.pm(PmForm::extended, lobes, 4, raw);
     if (quick) return;
     for (const Objective objective : {raw, cosine}) {
-        // For the plots of error over the number of lobes.
+        // The plots of error over the number of lobes need these.
         for (const int lobes : {1, 2, 3, 4, 6, 8, 12, 16})
             for (const PmForm form : {PmForm::gaussian, PmForm::extended})
                 for (const int variates : {2, 3, 4})
@@ -70,7 +70,7 @@ void plan_table(Plan& plan, bool quick) {
     }
     plan.pm(PmForm::extended, 8, 4, cube_root);
     plan.su(5, cube_root);
-    // As in Tsai 2009: the nearest sampled views from an index texture.
+    // Tsai 2009 takes the nearest sampled views from an index texture.
     plan.su(5, raw, {}, {.interpolation = SuInterpolation::plain, .index = DirectionMap::cube});
 }
 

@@ -170,7 +170,7 @@ void add_report(CommandLine& app, int& status) {
     sub.add_flag(
         "--quick", [command] { command->sweep = Sweep::quick; },
         "Fewer sizes, coarser pictures: about a minute per material on two cores");
-    // For tests: one small fit of each kind.
+    // Tests take one small fit of each kind.
     sub.add_flag(
            "--least", [command] { command->sweep = Sweep::least; }, "")
         .hidden();

@@ -90,9 +90,9 @@ Rows by_visible_error(const Tables& tables) {
 namespace {
 
 /// The columns of all measures over both sets of pairs, and of the albedo error.
-std::vector<std::string> measure_columns(const std::string& prefix) {
+std::vector<std::string> measure_columns() {
     std::vector<std::string> columns;
-    for_measures({}, [&](const std::string& name, double) { columns.push_back(prefix + name); });
+    for_measures({}, [&](const std::string& name, double) { columns.push_back(name); });
     return columns;
 }
 
@@ -211,8 +211,7 @@ std::vector<std::string> fit_columns() {
         "material input id role model form lobes variates axial interpolation index objective max_theta raw_bytes "
         "payload_bytes auxiliary_bytes fit_seconds threads stop_reason masked_samples clamped_samples empty_directions "
         "samples folds directions seed");
-    for (const char* prefix : {"", "unrounded_"})
-        for (const std::string& column : measure_columns(prefix)) columns.push_back(column);
+    for (const std::string& column : measure_columns()) columns.push_back(column);
     columns.insert(columns.end(), k_picture_columns.begin(), k_picture_columns.end());
     return columns;
 }

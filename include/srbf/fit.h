@@ -90,8 +90,7 @@ struct Noise {
 
 /// A fitted model with its errors and statistics.
 struct FitOutcome {
-    Model model;      ///< the stored model; its provenance has options of the fit, and errors once they are measured
-    Model unrounded;  ///< before rounding
+    Model model;  ///< the stored model; its provenance has options of the fit, and errors once they are measured
     std::optional<StopReason> stop;  ///< why an iterative fit stopped
     double max_theta = 0;            ///< [rad]
     double fit_seconds = 0;          ///< without the measurement of errors, which includes cross-validation
@@ -112,11 +111,12 @@ struct FitOutcome {
     std::vector<Model> without_fold;
     std::vector<Trial> path;  ///< sizes that were tried, ascending
     bool reached = true;      ///< whether the requested ΔE_ITP was reached
-    /// Errors of `model` and `unrounded` against the measurement; empty until they are measured. For scattered samples
-    /// `matrix` covers the samples themselves, `heldout` is the 5-fold cross-validated error, and albedo and
-    /// pictures are compared with the samples, gaps filled.
-    std::optional<Comparison> errors, unrounded_errors;
-    /// Picture error between the measurement and its transpose f(wv, wl). Empty if the measurement is reciprocal.
+    /// Errors of `model` against the measurement; empty until they are measured. For scattered samples `matrix` covers
+    /// the samples themselves, `heldout` is the 5-fold cross-validated error, and albedo and pictures are compared with
+    /// the samples, gaps filled.
+    std::optional<Comparison> errors;
+    /// Picture error between the measurement and its transpose f(wv, wl); a reciprocal fit differs from one of them by
+    /// at least half of it. Empty if the measurement is reciprocal.
     std::optional<Appearance> exchanged;
     /// Picture error of a reciprocal `model` against the mean that it was fitted to.
     std::optional<Appearance> against_mean;

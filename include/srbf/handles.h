@@ -17,20 +17,20 @@ SRBF_BEGIN
 template <typename T> class Shared {
   public:
     Shared() = default;
-    explicit Shared(const T* of) : of_(of) {}
-    Shared(const Shared& other) noexcept : of_(other.of_) {
-        if (of_) add_use(*of_);
+    explicit Shared(const T* object) : object_(object) {}
+    Shared(const Shared& other) noexcept : object_(other.object_) {
+        if (object_) add_use(*object_);
     }
-    Shared& operator=(Shared other) noexcept { return std::swap(of_, other.of_), *this; }
+    Shared& operator=(Shared other) noexcept { return std::swap(object_, other.object_), *this; }
     ~Shared() {
-        if (of_) end_use(*of_);
+        if (object_) end_use(*object_);
     }
-    explicit operator bool() const { return of_ != nullptr; }
-    const T& operator*() const { return *of_; }
-    const T* operator->() const { return of_; }
+    explicit operator bool() const { return object_ != nullptr; }
+    const T& operator*() const { return *object_; }
+    const T* operator->() const { return object_; }
 
   private:
-    const T* of_ = nullptr;
+    const T* object_ = nullptr;
 };
 
 /// True if both directions are above the horizon: every component is finite, and z is at least the least normal float,
@@ -85,9 +85,9 @@ class PreparedBrdf {
 };
 
 // Count the copies that share contents; Shared calls them.
-void add_use(const LoadedBrdf::Contents& of);
-void end_use(const LoadedBrdf::Contents& of);
-void add_use(const PreparedBrdf::Contents& of);
-void end_use(const PreparedBrdf::Contents& of);
+void add_use(const LoadedBrdf::Contents& contents);
+void end_use(const LoadedBrdf::Contents& contents);
+void add_use(const PreparedBrdf::Contents& contents);
+void end_use(const PreparedBrdf::Contents& contents);
 
 SRBF_END

@@ -127,8 +127,8 @@ struct EvaluatedTable {
     /// f_r [1/sr] as `signed_value` returns it: 0 below the horizon, NaN in every channel where nothing was measured
     Evaluate values;
     bool isotropic = true;
-    std::shared_ptr<const void> own = {};  ///< the format's own table, a T, see `own_table`
-    std::string_view name_of_own = {};     ///< T::k_name
+    std::shared_ptr<const void> table = {};  ///< the format's own table, a T, see `own_table`
+    std::string_view table_name = {};        ///< T::k_name
     std::shared_ptr<const TableFunctions> functions = {};
 };
 
@@ -159,8 +159,8 @@ struct Measured {
 void exchange(Measured& measured);
 /// The format's own table of a measurement, if it is a `T`; otherwise null.
 template <typename T> const T* own_table(const Measured& measured) {
-    const auto* table = std::get_if<EvaluatedTable>(&measured.table);
-    return table && table->name_of_own == T::k_name ? static_cast<const T*>(table->own.get()) : nullptr;
+    const auto* evaluated = std::get_if<EvaluatedTable>(&measured.table);
+    return evaluated && evaluated->table_name == T::k_name ? static_cast<const T*>(evaluated->table.get()) : nullptr;
 }
 /// True if f_r depends only on the difference of the azimuths.
 bool is_isotropic(const Measured& measured);

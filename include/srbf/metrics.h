@@ -51,6 +51,7 @@ struct MeasureOptions {
     int threads = 0;              ///< number of threads; 0: all of the machine. The result does not depend on it
     ProgressToken progress = {};  ///< if it is cancelled, the returned values are meaningless
     bool pictures = true;         ///< `compare`: false leaves `Comparison::appearance` empty
+    bool isotropic = false;       ///< `compare`: all BRDFs are, and pictures take a third of the time
 };
 
 /// Directional albedo of each channel: ∫ f(wl, wv) cosθl dωl over θl ≤ θmax, with wv at polar angle `theta_v` [rad] and

@@ -85,7 +85,7 @@ def request(options: Mapping[str, Any]) -> _srbf.Request:
 def show_options(function: Callable[..., Any]) -> None:
     """Adds the options of fits to the signature that `help` shows."""
     signature = inspect.signature(function)
-    own = [p for p in signature.parameters.values() if p.kind != p.VAR_KEYWORD]
+    named = [p for p in signature.parameters.values() if p.kind != p.VAR_KEYWORD]
     options = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None)
                for name in _srbf.fit_options() if name not in signature.parameters]
-    setattr(function, "__signature__", signature.replace(parameters=own + options))
+    setattr(function, "__signature__", signature.replace(parameters=named + options))

@@ -383,7 +383,7 @@ def test_other_threads_run_meanwhile(paper, facets, tmp_path):
 
 
 def slowness():
-    """How many times slower than a reference processor this one is, at least 1."""
+    """Returns how many times slower than a reference processor this one is, at least 1."""
     start = time.process_time()
     sum(range(5_000_000))
     return max(1, (time.process_time() - start) / 0.05)

@@ -14,15 +14,15 @@ TableSource table_source(const Model& model) {
     return source;
 }
 
-/// The values of `of`; no values once it is cancelled, so that the caller ends soon.
-Evaluate until_cancelled(Evaluate of, const ProgressToken& token) {
-    return [of = std::move(of), token](auto wl, auto wv, auto f) {
-        if (!token.cancelled()) of(wl, wv, f);
+/// The values of `brdf`; no values once it is cancelled, so that the caller ends soon.
+Evaluate until_cancelled(Evaluate brdf, const ProgressToken& token) {
+    return [brdf = std::move(brdf), token](auto wl, auto wv, auto f) {
+        if (!token.cancelled()) brdf(wl, wv, f);
     };
 }
 
 TableSource source_of(const AnyBrdf& brdf) {
-    return std::visit([](const auto& of) { return table_source(of); }, brdf);
+    return std::visit([](const auto& content) { return table_source(content); }, brdf);
 }
 
 }  // namespace

@@ -53,8 +53,8 @@ inline long long read_at(int file, void* bytes, std::size_t size, std::uint64_t 
 }
 inline int synchronise(int file) { return ::_commit(file); }
 inline int lock(int) { return 0; }
-inline int status(const std::string& path, Status& of) { return ::_wstat64(path_of(path).c_str(), &of); }
-inline int status(int file, Status& of) { return ::_fstat64(file, &of); }
+inline int status(const std::string& path, Status& result) { return ::_wstat64(path_of(path).c_str(), &result); }
+inline int status(int file, Status& result) { return ::_fstat64(file, &result); }
 inline int process() { return ::_getpid(); }
 inline bool is_writable(const std::string& path) { return ::_waccess(path_of(path).c_str(), 2) == 0; }
 inline bool is_terminal(int file) { return ::_isatty(file) != 0; }
@@ -82,8 +82,8 @@ inline ssize_t read_at(int file, void* bytes, std::size_t size, std::uint64_t of
 }
 inline int synchronise(int file) { return ::fsync(file); }
 inline int lock(int file) { return ::flock(file, LOCK_EX); }
-inline int status(const std::string& path, Status& of) { return ::stat(path.c_str(), &of); }
-inline int status(int file, Status& of) { return ::fstat(file, &of); }
+inline int status(const std::string& path, Status& result) { return ::stat(path.c_str(), &result); }
+inline int status(int file, Status& result) { return ::fstat(file, &result); }
 inline int process() { return ::getpid(); }
 inline bool is_writable(const std::string& path) { return ::access(path.c_str(), W_OK) == 0; }
 inline bool is_terminal(int file) { return ::isatty(file) != 0; }

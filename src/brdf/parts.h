@@ -36,7 +36,7 @@ template <typename B> struct Answering {
     bool exchanged = false;   ///< true if it is evaluated at (wv, wl)
 };
 template <typename B> Answering<B> answering(const Parts<B>& parts, Part part) {
-    if (const B* own = parts[std::size_t(part)].get()) return {own, false};
+    if (const B* stored = parts[std::size_t(part)].get()) return {stored, false};
     return {parts[std::size_t(counterpart(part))].get(), is_transmission(part)};
 }
 
@@ -56,9 +56,9 @@ template <typename B> Beams completed(const Parts<B>& parts, Beams beams) {
 template <typename B> Rgb value(const Parts<B>& parts, Vec3f wl, Vec3f wv) {
     const auto at = to_part_frame(wl, wv);
     if (!at) return {};
-    const Answering<B> of = answering(parts, at->part);
-    if (!of.brdf) return {};
-    return of.exchanged ? value(*of.brdf, at->wv, at->wl) : value(*of.brdf, at->wl, at->wv);
+    const Answering<B> answer = answering(parts, at->part);
+    if (!answer.brdf) return {};
+    return answer.exchanged ? value(*answer.brdf, at->wv, at->wl) : value(*answer.brdf, at->wl, at->wv);
 }
 
 /// f on arrays of pairs; `each(brdf, wl, wv, f)` evaluates one of the parts.
@@ -76,11 +76,11 @@ void evaluate(const Parts<B>& parts, std::span<const Vec3f> wl, std::span<const 
         where[part].push_back(i), lights[part].push_back(at->wl), views[part].push_back(at->wv);
     }
     for (std::size_t part = 0; part < k_parts; ++part) {
-        const Answering<B> of = answering(parts, Part(part));
-        if (!of.brdf || where[part].empty()) continue;
+        const Answering<B> answer = answering(parts, Part(part));
+        if (!answer.brdf || where[part].empty()) continue;
         std::vector<Rgb> values(where[part].size());
         const std::span<const Vec3f> l(lights[part]), v(views[part]);
-        each(*of.brdf, of.exchanged ? v : l, of.exchanged ? l : v, std::span<Rgb>(values));
+        each(*answer.brdf, answer.exchanged ? v : l, answer.exchanged ? l : v, std::span<Rgb>(values));
         for (std::size_t i = 0; i < values.size(); ++i) f[where[part][i]] = values[i];
     }
 }

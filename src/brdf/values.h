@@ -12,7 +12,7 @@ constexpr Rgb mixed(const Rgb& a, const Rgb& b, float share) {
     return {a.r + share * (b.r - a.r), a.g + share * (b.g - a.g), a.b + share * (b.b - a.b)};
 }
 
-constexpr Rgb scaled(float factor, const Rgb& of) { return {factor * of.r, factor * of.g, factor * of.b}; }
+constexpr Rgb scaled(float factor, const Rgb& rgb) { return {factor * rgb.r, factor * rgb.g, factor * rgb.b}; }
 
 /// f with negative channels set to 0; NaN is kept.
 inline Evaluate non_negative(Evaluate values) {

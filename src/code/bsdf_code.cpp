@@ -239,8 +239,8 @@ Result<std::string> print_functions(const Caller& caller, Program program, const
     syntax::parse(text, program, defines);
     for (const auto& table : program.tables) names[table.name] = caller.name + "_" + table.name;
     for (std::size_t i = 0; i < program.functions.size(); ++i) {
-        const std::string& own = program.functions[i].name;
-        names[own] = (i < known ? caller.stub_prefix : caller.name + "_") + own;
+        const std::string& function = program.functions[i].name;
+        names[function] = (i < known ? caller.stub_prefix : caller.name + "_") + function;
     }
     names["sample_light"] = caller.name + "_sample", names["light_pdf"] = caller.name + "_pdf";
     names["directional_albedo"] = caller.name + "_albedo";

@@ -163,7 +163,7 @@ std::string mixture_in_c(const MixtureProposal& mixture) {
         ((text += (text.empty() ? "{" : ", ") + syntax::digits(numbers) + "f"), ...);
         return text + "}";
     };
-    const auto matrix = [&](const Facets& of) { return list(of.xx, of.xy, of.yy); };
+    const auto matrix = [&](const Facets& shape) { return list(shape.xx, shape.xy, shape.yy); };
     return fmt::format(
         "SRBF_FN const srbf_mixture* @sample_light@_mixture(void) {{\n"
         "    static const srbf_mixture mixture = {{{}, {}, {{{}, {}}}, {{\n{}    }}}};\n"

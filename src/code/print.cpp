@@ -273,10 +273,10 @@ std::string Printer::binary_text(const Expression& binary, int outer) {
         std::string first = expression_text(swapped ? right : left), second = expression_text(swapped ? left : right);
         return fmt::format("{}{}({}, {})", language_.functions, name, first, second);
     }
-    const int own = precedence(binary);
+    const int inner = precedence(binary);
     const std::string text =
-        fmt::format("{} {} {}", expression_text(left, own), binary.text, expression_text(right, own + 1));
-    return own < outer ? "(" + text + ")" : text;
+        fmt::format("{} {} {}", expression_text(left, inner), binary.text, expression_text(right, inner + 1));
+    return inner < outer ? "(" + text + ")" : text;
 }
 
 std::string Printer::expression_text(const Expression& expression, int outer) {

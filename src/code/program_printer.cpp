@@ -44,25 +44,25 @@ std::string ProgramPrinter::text() const {
     std::set<std::string> known;
     for (std::size_t i = 0; i < programs_.size(); ++i) {
         syntax::Printer printer(language_, names(i));
-        std::string own;
+        std::string definitions;
         visit_definitions(programs_[i].program, [&](const auto& definition) {
             if (own_.contains(definition.name))
-                own += printer.text(definition) + "\n";
+                definitions += printer.text(definition) + "\n";
             else if (known.insert(definition.name).second)
                 shared += printer.text(definition) + "\n";
         });
-        own_texts += syntax::comment_text(programs_[i].description) + "\n" + own;
+        own_texts += syntax::comment_text(programs_[i].description) + "\n" + definitions;
     }
     return shared + own_texts;
 }
 
 Names ProgramPrinter::names(std::size_t i) const {
     Names names;
-    const std::string own = programs_[i].name + "_";
+    const std::string prefix = programs_[i].name + "_";
     visit_definitions(programs_[i].program, [&](const auto& definition) {
-        names[definition.name] = (own_.contains(definition.name) ? own : prefix_) + definition.name;
+        names[definition.name] = (own_.contains(definition.name) ? prefix : prefix_) + definition.name;
     });
-    for (const auto& [name, printed_name] : entries_) names[name] = own + printed_name;
+    for (const auto& [name, printed_name] : entries_) names[name] = prefix + printed_name;
     return names;
 }
 

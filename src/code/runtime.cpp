@@ -44,9 +44,9 @@ std::string observer_text() {
 std::string parameters_text() {
     std::vector<std::string> rows;
     const OpenPbrModel defaults;
-    for (const OpenPbrParameter& of : k_openpbr_parameters)
-        rows.push_back(fmt::format("{{\"{}\", {}f, {}f, {}f, {}}}", of.name, syntax::digits(of.least),
-                                   syntax::digits(of.most), syntax::digits(number(defaults, of, 0)), of.count()));
+    for (const OpenPbrParameter& row : k_openpbr_parameters)
+        rows.push_back(fmt::format("{{\"{}\", {}f, {}f, {}f, {}}}", row.name, syntax::digits(row.least),
+                                   syntax::digits(row.most), syntax::digits(number(defaults, row, 0)), row.count()));
     return fmt::format(
         "// The parameters of surfaces: name, range, default and count of numbers.\n"
         "#define SRBF_PARAMETERS {}\n"

@@ -214,8 +214,8 @@ std::vector<Float4> merl_texels(const BsdfTables& tables) {
     for (std::size_t part = 0; part < k_parts; ++part) {
         // Light and viewer need not be exchanged, since tables are reciprocal.
         if (const MerlTable* table = answering(tables.part, Part(part)).brdf) {
-            const auto own = merl_texels(*table);
-            texels.insert(texels.end(), own.begin(), own.end());
+            const auto table_texels = merl_texels(*table);
+            texels.insert(texels.end(), table_texels.begin(), table_texels.end());
         } else {
             texels.insert(texels.end(), std::size_t(h) * d * p, {0, 0, 0, 1});
         }

@@ -120,8 +120,8 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
     const auto add_name = [&](const std::string& name) { list += (list.empty() ? "" : ", ") + name; };
     for (const NamedModel& named : models) {
         if (is_bsdf(named)) {
-            const PartModels& own = parts.emplace_back(part_models(named, options.sampling));
-            brdfs.insert(brdfs.end(), own.named.begin(), own.named.end());
+            const PartModels& part = parts.emplace_back(part_models(named, options.sampling));
+            brdfs.insert(brdfs.end(), part.named.begin(), part.named.end());
             for (const std::string& name : bsdf_functions(named, options.sampling)) add_name(name);
             const auto code = bsdf_code(named, options, defined);
             if (!code) return code.error();
@@ -195,12 +195,12 @@ namespace {
 Result<AddedCode> added_code(const CodeOptions& options) {
     AddedCode all;
     for (const auto extra : k_extra_code) {
-        AddedCode own = extra().functions(options);
-        if (own.entries.empty()) continue;
-        all.entries.merge(own.entries);
-        all.sampling = all.sampling || own.sampling, all.albedo = all.albedo || own.albedo;
-        all.text = [first = std::move(all.text), next = std::move(own.text)](const auto& model, bool is_basis,
-                                                                             auto& program, auto& defines) {
+        AddedCode added = extra().functions(options);
+        if (added.entries.empty()) continue;
+        all.entries.merge(added.entries);
+        all.sampling = all.sampling || added.sampling, all.albedo = all.albedo || added.albedo;
+        all.text = [first = std::move(all.text), next = std::move(added.text)](const auto& model, bool is_basis,
+                                                                               auto& program, auto& defines) {
             const std::string before = first ? first(model, is_basis, program, defines) : "";
             return before + next(model, is_basis, program, defines);
         };

@@ -68,7 +68,7 @@ class Layer {
     }
     /// The value of the coated surface, if the base has the value `below` at the refracted directions.
     Rgb value(Vec3d l, Vec3d v, const Rgb& below) const {
-        const double n = coat_.ior, own = interface_value(coat_, l, v);
+        const double n = coat_.ior, reflected = interface_value(coat_, l, v);
         const double passed = transmitted(l.z) * transmitted(v.z) / (n * n);
         const double cosine_l = refracted(l).z, cosine_v = refracted(v).z;
         const double power = 0.5 * (1 / cosine_l + 1 / cosine_v);
@@ -76,7 +76,7 @@ class Layer {
         Rgb f;
         for (int c = 0; c < 3; ++c) {
             const double tint = coat_.tint[c] < 1 ? elementary::pow(std::max(double(coat_.tint[c]), 1e-6), power) : 1;
-            f[c] = float(own + passed * tint * std::max(double(below[c]) + again[std::size_t(c)], 0.0));
+            f[c] = float(reflected + passed * tint * std::max(double(below[c]) + again[std::size_t(c)], 0.0));
         }
         return f;
     }
@@ -92,10 +92,10 @@ class Layer {
         const double cosine = sines > 1e-9 ? (l.x * v.x + l.y * v.y) / sines : 1;
         std::array<double, 3> sum{};
         double previous = cosine, now = 1;  // cos((m − 1)φ), cos(mφ)
-        for (const auto& of : repeated_) {
+        for (const auto& term : repeated_) {
             for (std::size_t c = 0; c < 3; ++c) {
                 const auto along = [&](int ring) {
-                    return (1 - at_v.share) * of[c](ring, at_v.first) + at_v.share * of[c](ring, at_v.first + 1);
+                    return (1 - at_v.share) * term[c](ring, at_v.first) + at_v.share * term[c](ring, at_v.first + 1);
                 };
                 sum[c] += now * ((1 - at_l.share) * along(at_l.first) + at_l.share * along(at_l.first + 1));
             }
@@ -127,7 +127,7 @@ class Layer {
         constexpr int k_light_directions = 8192;
         const MirrorMixture mixture(k_pi / 2);
         Harmonics all;
-        for (auto& of : all) of.fill(Eigen::MatrixXd::Zero(Rings::k_count, Rings::k_count));
+        for (auto& term : all) term.fill(Eigen::MatrixXd::Zero(Rings::k_count, Rings::k_count));
         for (int of_v = 0; of_v < Rings::k_count; ++of_v) {
             const Vec3d v = spherical(Rings::angle(of_v), 0.0);
             const Quadrature light = mixture.quadrature(v, k_light_directions);
@@ -143,8 +143,8 @@ class Layer {
                             weight * double(f[i][c]) * elementary::cos(double(m) * phi);
             }
         }
-        for (auto& of : all)
-            for (Eigen::MatrixXd& channel : of) channel = (0.5 * (channel + channel.transpose())).eval();
+        for (auto& term : all)
+            for (Eigen::MatrixXd& channel : term) channel = (0.5 * (channel + channel.transpose())).eval();
         return all;
     }
 

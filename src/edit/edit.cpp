@@ -32,24 +32,25 @@ Result<Done> validate(const Edit& edit) {
         if (is_finite(found) && least(found) >= 0 && largest_of(found) <= high) return Done{};
         return argument_error("edit", what, fmt::format("0 to {:g} in each channel", high), text(found));
     };
-    return std::visit(Cases{[&](const Roughen& of) { return require("factor of the roughness", of.factor, 0.1, 10); },
-                            [&](const Tint& of) {
-                                const auto highlight = require_colour("tint of the highlight", of.highlight, 10);
-                                return highlight ? require_colour("tint of the body", of.body, 10) : highlight;
-                            },
-                            [&](const Saturate& of) { return require("factor of the saturation", of.factor, 0, 4); },
-                            [&](const TurnHue& of) { return require("turn of the hue", of.degrees, -360, 360); },
-                            [&](const Coat& of) -> Result<Done> {
-                                for (const auto& valid : {require("roughness of the coat", of.roughness, 0.02, 1),
-                                                          require("index of refraction of the coat", of.ior, 1.05, 3)})
-                                    if (!valid) return valid;
-                                return require_colour("tint of the coat", of.tint, 1);
-                            },
-                            [&](const Rotate& of) { return require("turn of the tangent", of.degrees, -360, 360); },
-                            [&](const Reduce& of) {
-                                return require_range("edit", "number of lobes", of.lobes, 1, k_most_fitted_lobes);
-                            }},
-                      edit);
+    return std::visit(
+        Cases{[&](const Roughen& roughen) { return require("factor of the roughness", roughen.factor, 0.1, 10); },
+              [&](const Tint& tint) {
+                  const auto highlight = require_colour("tint of the highlight", tint.highlight, 10);
+                  return highlight ? require_colour("tint of the body", tint.body, 10) : highlight;
+              },
+              [&](const Saturate& saturate) { return require("factor of the saturation", saturate.factor, 0, 4); },
+              [&](const TurnHue& turn) { return require("turn of the hue", turn.degrees, -360, 360); },
+              [&](const Coat& coat) -> Result<Done> {
+                  for (const auto& valid : {require("roughness of the coat", coat.roughness, 0.02, 1),
+                                            require("index of refraction of the coat", coat.ior, 1.05, 3)})
+                      if (!valid) return valid;
+                  return require_colour("tint of the coat", coat.tint, 1);
+              },
+              [&](const Rotate& rotate) { return require("turn of the tangent", rotate.degrees, -360, 360); },
+              [&](const Reduce& reduce) {
+                  return require_range("edit", "number of lobes", reduce.lobes, 1, k_most_fitted_lobes);
+              }},
+        edit);
 }
 
 /// The sum of highlight and body as a function, with the highlight widened.
@@ -78,9 +79,9 @@ struct Editor {
         return refit(f, begin, options.lobes.value_or(std::min(lobes, k_most_fitted_lobes)), bound.limit(), options);
     }
 
-    Result<PmModel> operator()(const PmModel& model, const Roughen& of) {
-        if (of.factor == 1) return model;
-        return fit(roughened(separated(model), of.factor), model, of.factor, model.lobes);
+    Result<PmModel> operator()(const PmModel& model, const Roughen& roughen) {
+        if (roughen.factor == 1) return model;
+        return fit(roughened(separated(model), roughen.factor), model, roughen.factor, model.lobes);
     }
     /// The tint, with factors above 1 reduced until the albedo is within the limit up to 75° from the normal. If single
     /// lobes were lowered instead, the hue would change.
@@ -102,33 +103,35 @@ struct Editor {
                     share = std::min(share, std::max(limit - fixed, 0.0) / raised);
             }
         }
-        const auto within = [&](const Rgb& of) { return largest_of(of) > 1 ? scaled(float(share), of) : of; };
+        const auto within = [&](const Rgb& rgb) { return largest_of(rgb) > 1 ? scaled(float(share), rgb) : rgb; };
         return {within(wanted.highlight), within(wanted.body)};
     }
-    Result<PmModel> operator()(const PmModel& model, const Tint& of) {
-        const Tint within = within_limit(model, of);
-        asked = bound.excess(evaluator(tinted(model, of)));
-        if (within.highlight != of.highlight || within.body != of.body) done = text(within);
+    Result<PmModel> operator()(const PmModel& model, const Tint& tint) {
+        const Tint within = within_limit(model, tint);
+        asked = bound.excess(evaluator(tinted(model, tint)));
+        if (within.highlight != tint.highlight || within.body != tint.body) done = text(within);
         return tinted(model, within);
     }
-    Result<PmModel> operator()(const PmModel& model, const Saturate& of) const { return saturated(model, of.factor); }
-    Result<PmModel> operator()(const PmModel& model, const TurnHue& of) const {
-        return turned(model, of.degrees * k_degree);
+    Result<PmModel> operator()(const PmModel& model, const Saturate& saturate) const {
+        return saturated(model, saturate.factor);
     }
-    Result<PmModel> operator()(const PmModel& model, const Coat& of) {
+    Result<PmModel> operator()(const PmModel& model, const TurnHue& turn) const {
+        return turned(model, turn.degrees * k_degree);
+    }
+    Result<PmModel> operator()(const PmModel& model, const Coat& coat) {
         // Light that passes the interface twice is spread like light from facets of this slope below it.
-        const double slope = of.roughness * (1 - 1 / of.ior) / std::sqrt(2.0);
+        const double slope = coat.roughness * (1 - 1 / coat.ior) / std::sqrt(2.0);
         const HighlightAndBody parts = separated(model);
-        const double own = roughness_of(evaluator(parts.highlight));
-        const double factor = own > 0 ? std::min(elementary::hypot(1, slope / own), 10.0) : 1;
-        return fit(coated(factor > 1 ? roughened(parts, factor) : evaluator(PmModel(model)), of), model, factor,
+        const double roughness = roughness_of(evaluator(parts.highlight));
+        const double factor = roughness > 0 ? std::min(elementary::hypot(1, slope / roughness), 10.0) : 1;
+        return fit(coated(factor > 1 ? roughened(parts, factor) : evaluator(PmModel(model)), coat), model, factor,
                    model.lobes + k_lobes_of_coat);
     }
-    Result<PmModel> operator()(const PmModel& model, const Rotate& of) const {
-        return rotated(model, of.degrees * k_degree);
+    Result<PmModel> operator()(const PmModel& model, const Rotate& rotate) const {
+        return rotated(model, rotate.degrees * k_degree);
     }
-    Result<PmModel> operator()(const PmModel& model, const Reduce& of) const {
-        return refit(evaluator(model), std::span(&model, 1), of.lobes, bound.limit(), options);
+    Result<PmModel> operator()(const PmModel& model, const Reduce& reduce) const {
+        return refit(evaluator(model), std::span(&model, 1), reduce.lobes, bound.limit(), options);
     }
 };
 
@@ -160,29 +163,30 @@ std::map<std::string, std::string> origin(const Model& model) {
 }
 
 std::string described(const Model& model) {
-    const auto of = [&](const char* key) {
+    const auto entry = [&](const char* key) {
         const auto at = model.provenance.find(key);
         return at == model.provenance.end() ? std::string() : at->second;
     };
-    const std::string source = of("source").empty() ? "a model" : of("source"), edits = of("edits");
+    const std::string source = entry("source").empty() ? "a model" : entry("source"), edits = entry("edits");
     return edits.empty() ? source : fmt::format("{} ({})", source, edits);
 }
 
 }  // namespace
 
 std::string text(const Edit& edit) {
-    return std::visit(
-        Cases{
-            [](const Roughen& of) { return fmt::format("roughen {:g}", of.factor); },
-            [](const Tint& of) { return fmt::format("tint highlight {}, body {}", text(of.highlight), text(of.body)); },
-            [](const Saturate& of) { return fmt::format("saturate {:g}", of.factor); },
-            [](const TurnHue& of) { return fmt::format("hue {:g}", of.degrees); },
-            [](const Coat& of) {
-                return fmt::format("coat of roughness {:g}, ior {:g}, tint {}", of.roughness, of.ior, text(of.tint));
-            },
-            [](const Rotate& of) { return fmt::format("rotate {:g}", of.degrees); },
-            [](const Reduce& of) { return fmt::format("reduce to {} lobes", of.lobes); }},
-        edit);
+    return std::visit(Cases{[](const Roughen& roughen) { return fmt::format("roughen {:g}", roughen.factor); },
+                            [](const Tint& tint) {
+                                return fmt::format("tint highlight {}, body {}", text(tint.highlight), text(tint.body));
+                            },
+                            [](const Saturate& saturate) { return fmt::format("saturate {:g}", saturate.factor); },
+                            [](const TurnHue& turn) { return fmt::format("hue {:g}", turn.degrees); },
+                            [](const Coat& coat) {
+                                return fmt::format("coat of roughness {:g}, ior {:g}, tint {}", coat.roughness,
+                                                   coat.ior, text(coat.tint));
+                            },
+                            [](const Rotate& rotate) { return fmt::format("rotate {:g}", rotate.degrees); },
+                            [](const Reduce& reduce) { return fmt::format("reduce to {} lobes", reduce.lobes); }},
+                      edit);
 }
 
 Result<Model> edited(const Model& model, std::span<const Edit> edits, const EditOptions& options) {
@@ -201,7 +205,7 @@ Result<Model> edited(const Model& model, std::span<const Edit> edits, const Edit
         if (!now.wavelength.empty() && is_of_colours(edit))
             return argument_error("edit", "model", "one of colours", "a spectral one");
         Editor editor{options, bound};
-        auto next = std::visit([&](const auto& of) { return editor(now, of); }, edit);
+        auto next = std::visit([&](const auto& chosen) { return editor(now, chosen); }, edit);
         if (!next) return next.error();
         if (const double asked = std::max(editor.asked, bound.excess(evaluator(*next))); asked > k_noted_excess)
             add(result.provenance["limited"],

@@ -18,7 +18,7 @@ Reflected reflected(const PmModel& model, int lobe) {
     constexpr int k_light_directions = 4096;
     const PmModel alone = only_lobe(model, lobe);
     const MirrorMixture mixture(k_pi / 2);
-    Reflected of{};
+    Reflected total{};
     double across = 0, of_lambert = 0;
     for (const double theta : k_views) {
         const Vec3d wv = spherical(theta, 0.0);
@@ -30,12 +30,12 @@ Reflected reflected(const PmModel& model, int lobe) {
             const Vec3d sum = to_double(light.w[i]) + wv;
             const double squared_sine = 1 - sum.z * sum.z / dot(sum, sum);
             albedo += weight * value, across += weight * value * squared_sine, mean += weight / k_pi * squared_sine;
-            for (int c = 0; c < 3; ++c) of.albedo[c] += float(weight) * f[i][c];
+            for (int c = 0; c < 3; ++c) total.albedo[c] += float(weight) * f[i][c];
         }
         of_lambert += albedo * mean;
     }
-    of.spread = of_lambert > 0 ? across / of_lambert : 0;
-    return of;
+    total.spread = of_lambert > 0 ? across / of_lambert : 0;
+    return total;
 }
 
 /// The distance of the chromaticities of two colours; large if one is black.
@@ -117,23 +117,23 @@ std::vector<double> body_shares(const PmModel& model) {
     std::vector<Reflected> lobes;
     Rgb highlight, body, all;
     for (int j = 0; j < model.lobes; ++j) {
-        const Reflected& of = lobes.emplace_back(reflected(model, j));
-        Rgb* const part = of.spread >= k_least_body_spread      ? &body
-                          : of.spread < k_most_highlight_spread ? &highlight
-                                                                : nullptr;
+        const Reflected& lobe = lobes.emplace_back(reflected(model, j));
+        Rgb* const part = lobe.spread >= k_least_body_spread      ? &body
+                          : lobe.spread < k_most_highlight_spread ? &highlight
+                                                                  : nullptr;
         for (int c = 0; c < 3; ++c) {
-            all[c] += of.albedo[c];
-            if (part) (*part)[c] += of.albedo[c];
+            all[c] += lobe.albedo[c];
+            if (part) (*part)[c] += lobe.albedo[c];
         }
     }
     const bool has_body = mean_of(body) >= k_least_share_of_body * mean_of(all);
     std::vector<double> shares;
-    for (const Reflected& of : lobes) {
+    for (const Reflected& lobe : lobes) {
         const bool has_its_colour =
-            chromatic_distance(of.albedo, body) < k_much_nearer * chromatic_distance(of.albedo, highlight);
-        const double linear = (of.spread - k_most_highlight_spread) / (1 - k_most_highlight_spread);
+            chromatic_distance(lobe.albedo, body) < k_much_nearer * chromatic_distance(lobe.albedo, highlight);
+        const double linear = (lobe.spread - k_most_highlight_spread) / (1 - k_most_highlight_spread);
         const double between = !has_body ? 0 : has_its_colour ? 1 : linear;
-        shares.push_back(of.spread >= k_least_body_spread ? 1 : of.spread < k_most_highlight_spread ? 0 : between);
+        shares.push_back(lobe.spread >= k_least_body_spread ? 1 : lobe.spread < k_most_highlight_spread ? 0 : between);
     }
     return shares;
 }
@@ -202,13 +202,13 @@ PmModel joined(PmModel a, PmModel b) {
     const PmForm form = common_form(a.form, b.form);
     a = in_form(std::move(a), form), b = in_form(std::move(b), form);
     a.axial = a.axial && b.axial;
-    const std::size_t own = a.parameterization.size();
+    const std::size_t count = a.parameterization.size();
     std::vector<std::size_t> place;
     for (const Parameterization& p : b.parameterization) {
         std::size_t n = 0;
-        while (n < own && (!(a.parameterization[n] == p) || std::ranges::count(place, n))) ++n;
-        place.push_back(n < own ? n : a.parameterization.size());
-        if (n == own) a = with_variate(std::move(a), p);
+        while (n < count && (!(a.parameterization[n] == p) || std::ranges::count(place, n))) ++n;
+        place.push_back(n < count ? n : a.parameterization.size());
+        if (n == count) a = with_variate(std::move(a), p);
     }
     append_lobes(a, b, place);
     return a;

@@ -230,7 +230,10 @@ std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evalu
                heldout = measure_heldout(f, channels, options);
     const auto albedo = albedo_errors(reference, others, options);
     std::vector<Appearance> appearance(others.size());
-    if (options.pictures) appearance = compare_pictures(reference, others, options.threads, options.progress);
+    if (options.pictures)
+        appearance = compare_pictures(
+            reference, others,
+            {.threads = options.threads, .is_isotropic = options.isotropic, .progress = options.progress});
     std::vector<Comparison> comparisons;
     for (std::size_t k = 0; k < others.size(); ++k)
         comparisons.push_back({matrix[k], heldout[k], albedo[k], appearance[k]});

@@ -33,10 +33,10 @@ inline constexpr std::array<MeasureName, 6> k_measures{{
     {"log10_rms", "RMS of log10 f", &Measures::log10_rms, false, k_log_10},
 }};
 /// Calls add(name, value) for the measures of a comparison: over the matrix, held out, and of albedo.
-template <typename Add> void for_measures(const Comparison& of, const Add& add) {
-    for (const MeasureName& m : k_measures) add(std::string(m.name), of.matrix.*m.member);
-    for (const MeasureName& m : k_measures) add("heldout_" + std::string(m.name), of.heldout.*m.member);
-    add(std::string("albedo_error"), of.albedo_error);
+template <typename Add> void for_measures(const Comparison& comparison, const Add& add) {
+    for (const MeasureName& m : k_measures) add(std::string(m.name), comparison.matrix.*m.member);
+    for (const MeasureName& m : k_measures) add("heldout_" + std::string(m.name), comparison.heldout.*m.member);
+    add(std::string("albedo_error"), comparison.albedo_error);
 }
 
 /// The measures of each of `others` over all pairs of the given directions within θmax.

@@ -92,30 +92,30 @@ Appearance summarise(std::vector<PictureErrors> lighting) {
 
 }  // namespace
 
-Appearance judged(const Comparison& of) {
-    const auto& heldout = of.heldout_appearance;
-    Appearance worst = heldout && heldout->mean.delta_e > of.appearance.mean.delta_e ? *heldout : of.appearance;
-    worst.mean.delta_e = std::max(worst.mean.delta_e, of.samples_delta_e);
-    worst.worst_delta_e = std::max(worst.worst_delta_e, of.samples_delta_e);
+Appearance judged(const Comparison& found) {
+    const auto& heldout = found.heldout_appearance;
+    Appearance worst = heldout && heldout->mean.delta_e > found.appearance.mean.delta_e ? *heldout : found.appearance;
+    worst.mean.delta_e = std::max(worst.mean.delta_e, found.samples_delta_e);
+    worst.worst_delta_e = std::max(worst.worst_delta_e, found.samples_delta_e);
     return worst;
 }
 
-std::string headline(const Comparison& of, std::string_view between_sentences) {
-    const Appearance worst = judged(of);
+std::string headline(const Comparison& found, std::string_view between_sentences) {
+    const Appearance worst = judged(found);
     const std::string text = fmt::format("{}: ΔE_ITP {:.3g}", words(verdict(worst.mean)), worst.mean.delta_e);
-    if (!of.measure)
+    if (!found.measure)
         return fmt::format("{} in the mean of eight lights, {:.3g} under the worst", text, worst.worst_delta_e);
-    const MeasureName& name = *std::ranges::find(k_measures, of.measure, &MeasureName::member);
-    const double fit = of.appearance.mean.delta_e, unit = name.is_ratio ? 100 : 1,
-                 heldout = of.heldout_appearance ? of.heldout_appearance->mean.delta_e : fit,
-                 at_samples = unit * of.matrix.*of.measure, predicted = unit * of.heldout.*of.measure;
+    const MeasureName& name = *std::ranges::find(k_measures, found.measure, &MeasureName::member);
+    const double fit = found.appearance.mean.delta_e, unit = name.is_ratio ? 100 : 1,
+                 heldout = found.heldout_appearance ? found.heldout_appearance->mean.delta_e : fit,
+                 at_samples = unit * found.matrix.*found.measure, predicted = unit * found.heldout.*found.measure;
     const auto apart = [](std::initializer_list<double> errors) {
         return std::max(errors) > 2 * std::min(errors) ? ", more than a factor of two apart" : "";
     };
     const char* percent = name.is_ratio ? " %" : "";
     const bool is_part = name.title[0] == ' ';  // "  of f cosθl"
     return fmt::format("{}, the worst of {:.3g} in pictures, {:.3g} in cross-validation and {:.3g} at the samples{}{}",
-                       text, fit, heldout, of.samples_delta_e, apart({fit, heldout, of.samples_delta_e}),
+                       text, fit, heldout, found.samples_delta_e, apart({fit, heldout, found.samples_delta_e}),
                        between_sentences) +
            fmt::format("{}{} {:.3g}{} at the samples, {:.3g}{} in cross-validation{}",
                        is_part ? "squared error ratio" : "", name.title + is_part, at_samples, percent, predicted,
@@ -131,20 +131,28 @@ Appearance mean_of(std::span<const Appearance> all) {
     return summarise(std::move(lighting));
 }
 
-std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<const Evaluate> others, int threads,
-                                         const ProgressToken& progress, int size, bool is_isotropic) {
-    std::vector<Evaluate> brdfs{reference};
-    brdfs.insert(brdfs.end(), others.begin(), others.end());
-    const auto images =
-        sphere_pictures(brdfs, standard_lightings(), size, threads, progress, k_mirror_points, is_isotropic);
-    std::vector<Appearance> all(others.size());
+std::vector<Appearance> compare_pictures(std::span<const Evaluate> brdfs, std::span<const ComparedPair> pairs,
+                                         const PictureOptions& options) {
+    const auto images = sphere_pictures(brdfs, standard_lightings(), options.size, options.threads, options.progress,
+                                        k_mirror_points, options.is_isotropic);
+    std::vector<Appearance> all(pairs.size());
     for (Appearance& appearance : all) appearance.lighting.resize(images.size());
-    parallel_for(images.size() * others.size(), threads, [&](std::size_t i) {
-        const std::size_t lighting = i / others.size(), other = i % others.size();
-        all[other].lighting[lighting] = picture_errors(images[lighting].front(), images[lighting][other + 1]);
+    parallel_for(images.size() * pairs.size(), options.threads, [&](std::size_t i) {
+        const std::size_t lighting = i / pairs.size(), pair = i % pairs.size();
+        const auto [reference, other] = pairs[pair];
+        all[pair].lighting[lighting] = picture_errors(images[lighting][reference], images[lighting][other]);
     });
     for (Appearance& appearance : all) appearance = summarise(std::move(appearance.lighting));
     return all;
+}
+
+std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<const Evaluate> others,
+                                         const PictureOptions& options) {
+    std::vector<Evaluate> brdfs{reference};
+    brdfs.insert(brdfs.end(), others.begin(), others.end());
+    std::vector<ComparedPair> pairs;
+    for (std::size_t other = 1; other < brdfs.size(); ++other) pairs.push_back({0, other});
+    return compare_pictures(brdfs, pairs, options);
 }
 
 }  // namespace srbf

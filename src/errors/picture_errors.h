@@ -38,15 +38,27 @@ inline constexpr std::array<PictureErrorName, 4> k_picture_errors{{
 /// The errors by which a fit is judged. Pictures of a fit to samples are compared with samples whose gaps the fit
 /// itself filled. So the worse of these errors and of the cross-validated ones counts, or ΔE_ITP at the samples if that
 /// is larger.
-Appearance judged(const Comparison& of);
+Appearance judged(const Comparison& found);
 /// "hardly visible: ΔE_ITP 0.346 in the mean of eight lights, 0.41 under the worst". For a fit to samples it has two
 /// sentences, with errors of the fit and of cross-validation; the second says whether they differ by a factor of two.
-std::string headline(const Comparison& of, std::string_view between_sentences = "; ");
+std::string headline(const Comparison& found, std::string_view between_sentences = "; ");
 /// The mean of one or more.
 Appearance mean_of(std::span<const Appearance> all);
-/// `is_isotropic`: true if the reference is isotropic, which saves time.
-std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<const Evaluate> others, int threads = 0,
-                                         const ProgressToken& progress = {}, int size = k_sphere_pixels,
-                                         bool is_isotropic = false);
+/// Options of the comparison of pictures. `is_isotropic`: true if all BRDFs are isotropic, which saves time.
+struct PictureOptions {
+    int threads = 0, size = k_sphere_pixels;
+    bool is_isotropic = false;
+    ProgressToken progress = {};
+};
+/// BRDFs whose pictures are compared, as indices.
+struct ComparedPair {
+    std::size_t reference, other;
+};
+/// The errors of pictures of each of the pairs, under the standard lightings.
+std::vector<Appearance> compare_pictures(std::span<const Evaluate> brdfs, std::span<const ComparedPair> pairs,
+                                         const PictureOptions& options = {});
+/// The errors of each of `others` against the reference.
+std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<const Evaluate> others,
+                                         const PictureOptions& options = {});
 
 SRBF_END

@@ -137,13 +137,12 @@ std::vector<Rgb> radiances(const Pixel& pixel, std::span<const Rgb> f, std::span
     return all;
 }
 
-/// f of each BRDF at the pairs of a pixel, 0 where one of them was not measured. `first` are the values of the first
-/// BRDF at the first pairs, if they are known.
+/// f of each BRDF at the pairs of a pixel, 0 where one of them was not measured. `f`: the values at the first pairs, if
+/// they are known.
 std::vector<std::vector<Rgb>> pixel_values(std::span<const Evaluate> brdfs, const Pixel& pixel,
-                                           std::vector<Rgb> first) {
+                                           std::vector<std::vector<Rgb>> f) {
     const std::vector<Vec3f> wv(pixel.wl.size(), pixel.wv);
-    std::vector<std::vector<Rgb>> f(brdfs.size());
-    f[0] = std::move(first);
+    f.resize(brdfs.size());
     std::vector<char> measured(wv.size(), true);
     for (std::size_t b = 0; b < brdfs.size(); ++b) {
         const std::size_t known = f[b].size();
@@ -163,7 +162,7 @@ bool shows_sphere(int size, int x, int y) { return squared_distance(size, x, y) 
 
 std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs, std::span<const Lighting> lightings,
                                                 int size, int threads, const ProgressToken& progress, int mirror_points,
-                                                bool first_is_isotropic) {
+                                                bool is_isotropic) {
     const StandardArithmetic mode;
     const MirrorMixture mixture(k_pi / 2);
     const auto cos_view = [&](int squares) { return std::sqrt(1 - double(squares) / (double(size) * double(size))); };
@@ -175,7 +174,7 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
     const auto points_of = [&](int squares) { return mixture.quadrature(viewer(squares), mirror_points); };
     struct Shared {
         Quadrature points;
-        std::vector<Rgb> f;  // the values of an isotropic first BRDF
+        std::vector<std::vector<Rgb>> f;  // the values of isotropic BRDFs
     };
     std::map<int, Shared> mirrored;  // keys are squared distances; about eight pixels share points
     std::vector<std::pair<const int, Shared>*> each;
@@ -188,7 +187,9 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
         if (progress.cancelled()) return;
         auto& [squares, shared] = *each[i];
         shared.points = points_of(squares);
-        if (first_is_isotropic) shared.f = values_towards(brdfs[0], shared.points.w, to_float(viewer(squares)));
+        if (!is_isotropic) return;
+        for (const Evaluate& brdf : brdfs)
+            shared.f.push_back(values_towards(brdf, shared.points.w, to_float(viewer(squares))));
     });
 
     const std::vector<Discs> discs(lightings.begin(), lightings.end());
@@ -206,7 +207,8 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
             const Pixel pixel = make_pixel(frame_about(normal, {0, 1, 0}),
                                            shared != mirrored.end() ? shared->second.points : points_of(squares),
                                            mixture, lightings, discs);
-            const auto f = pixel_values(brdfs, pixel, shared != mirrored.end() ? shared->second.f : std::vector<Rgb>());
+            const auto f = pixel_values(brdfs, pixel,
+                                        shared != mirrored.end() ? shared->second.f : std::vector<std::vector<Rgb>>());
             for (std::size_t b = 0; b < brdfs.size(); ++b) {
                 const std::vector<Rgb> radiance = radiances(pixel, f[b], lightings);
                 for (std::size_t k = 0; k < lightings.size(); ++k) images[k][b].at(x, y) = radiance[k];

@@ -28,12 +28,12 @@ inline constexpr int k_mirror_points = 384;
 /// Pictures [lighting][BRDF] of a distant sphere in direct light, which touches the borders of `size` × `size` pixels;
 /// 0 outside of the sphere. All BRDFs are evaluated at the same directions: points of `MirrorMixture` and points on the
 /// sources, weighted by their common density (balance heuristic, Veach 1997), without random numbers. Pairs at which
-/// one of the BRDFs is not measured count as black for all of them. If `first_is_isotropic`, views of the same polar
-/// angle share values of the first BRDF.
+/// one of the BRDFs is not measured count as black for all of them. If `is_isotropic`, all BRDFs are, and views of the
+/// same polar angle share their values, which saves most of the time.
 std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs, std::span<const Lighting> lightings,
                                                 int size = k_sphere_pixels, int threads = 0,
                                                 const ProgressToken& progress = {}, int mirror_points = k_mirror_points,
-                                                bool first_is_isotropic = false);
+                                                bool is_isotropic = false);
 /// True if pixel (x, y) of such a picture shows the sphere.
 bool shows_sphere(int size, int x, int y);
 

@@ -84,11 +84,11 @@ double shown_error(const ScatteredSamples& samples, const Model& model, double m
 
 /// The value f̂ at every sample, by the model that was fitted without its fold: [sample C + c].
 std::vector<float> heldout_values(const ScatteredSamples& samples, std::span<const int> fold,
-                                  std::span<const Result<FitOutcome>> fits, Model FitOutcome::*model) {
+                                  std::span<const Result<FitOutcome>> fits) {
     std::vector<float> predicted;
     for (std::size_t left_out = 0; left_out < fits.size(); ++left_out) {
         // Colours come from `value`, which is the same on any machine.
-        const Model& fitted = (*fits[left_out]).*model;
+        const Model& fitted = fits[left_out]->model;
         const Channels f_of = wavelengths(fitted).empty() ? rgb_channels(evaluator<Model>(fitted)) : channels(fitted);
         const std::size_t C = f_of.count();
         std::vector<float> f(C * samples.wl.size());
@@ -161,10 +161,7 @@ Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, std::span<con
     if (!outcome) return outcome;
     for (const Result<FitOutcome>& of_fold : folds)
         if (!of_fold) return of_fold;
-    const auto compare = [&](Model FitOutcome::*model) {
-        return compared(samples, request, (*outcome).*model, heldout_values(samples, fold, folds, model));
-    };
-    outcome->errors = compare(&FitOutcome::model), outcome->unrounded_errors = compare(&FitOutcome::unrounded);
+    outcome->errors = compared(samples, request, outcome->model, heldout_values(samples, fold, folds));
     outcome->samples = outcome->errors->matrix.pairs;
     outcome->raw_bytes = samples.wl.size() * channels(outcome->model).count() * sizeof(float);
     for (Result<FitOutcome>& of_fold : folds) outcome->without_fold.push_back(std::move(of_fold->model));

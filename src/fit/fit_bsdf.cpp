@@ -64,7 +64,7 @@ bool alike(const Input& front, const Input& back, Part part) {
 Model black() { return {GgxModel{{}, {GgxModel::Lobe{}}}, {}}; }
 
 std::vector<Hemispherical> hemispherical(const Input& input, const Evaluate& fitted, const Beams& beams, Part part) {
-    if (const PatchFit* own = input.patch_fit()) return own->hemispherical(*input.measured, fitted, beams, part);
+    if (const PatchFit* patch = input.patch_fit()) return patch->hemispherical(*input.measured, fitted, beams, part);
     std::vector<Hemispherical> all;
     for (const double degrees : k_incidences) {
         const double theta = degrees * k_degree,
@@ -116,16 +116,16 @@ Result<std::vector<PartFit>> fit_parts(const Inputs& inputs, BsdfModel& model, c
 
 /// Compares a part with the model's values for it.
 void measure(PartFit& fit, const Input& input, const BsdfModel& bsdf) {
-    const Answering<Model> of = answering(bsdf.part, fit.part);
+    const Answering<Model> answer = answering(bsdf.part, fit.part);
     const Evaluate fitted = [&](auto wl, auto wv, auto f) {
-        if (!of.brdf)
+        if (!answer.brdf)
             std::ranges::fill(f, Rgb{});
         else
-            of.exchanged ? evaluate(*of.brdf, wv, wl, f) : evaluate(*of.brdf, wl, wv, f);
+            answer.exchanged ? evaluate(*answer.brdf, wv, wl, f) : evaluate(*answer.brdf, wl, wv, f);
     };
     fit.hemispherical = hemispherical(input, fitted, bsdf.beam, fit.part);
-    if (const PatchFit* own = input.patch_fit()) {
-        fit.squared_error_ratio = own->error_ratio(*input.measured, fitted);
+    if (const PatchFit* patch = input.patch_fit()) {
+        fit.squared_error_ratio = patch->error_ratio(*input.measured, fitted);
     } else if (!fit.black) {
         const auto a = sampled(input.f, false);
         fit.squared_error_ratio = energy_between(a, sampled(fitted, false)) / energy(a);
@@ -184,8 +184,8 @@ Result<BsdfOutcome> fit_inputs(const Inputs& inputs, const Beams& beams, const F
 
 const PatchFit* patch_fit_of(const Measured& part) {
     for (const std::span<const PatchFit> fits : k_extra_fits)
-        for (const PatchFit& own : fits)
-            if (own.is_of(part)) return &own;
+        for (const PatchFit& fit : fits)
+            if (fit.is_of(part)) return &fit;
     return nullptr;
 }
 
@@ -213,9 +213,9 @@ Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request
         const auto& part = table->band().part[p];
         if (!part) continue;
         inputs[p] = {evaluator(*part), part};
-        const auto* own = std::get_if<EvaluatedTable>(&part->table);
-        const bool is_asked = own && own->functions && own->functions->separated_beam;
-        if (auto separated = is_asked ? own->functions->separated_beam() : std::nullopt)
+        const auto* evaluated = std::get_if<EvaluatedTable>(&part->table);
+        const bool is_asked = evaluated && evaluated->functions && evaluated->functions->separated_beam;
+        if (auto separated = is_asked ? evaluated->functions->separated_beam() : std::nullopt)
             inputs[p] = {std::move(separated->rest), nullptr}, beams[p] = std::move(separated->beam);
     }
     end_mirrors(beams, {inputs[0].f, inputs[1].f, inputs[2].f, inputs[3].f});

@@ -78,7 +78,7 @@ const SuRequest k_su{};
 FitOptionRow model() {
     return []<typename... R>(std::type_identity<std::variant<R...>>) {
         std::string about = fmt::format("{}", fmt::join({fmt::format("{}: {}", R::k_name, R::k_about)...}, ";\n"));
-        about += ";\ngltf, principled: only those that glTF with its extensions or Blender's Principled BSDF has";
+        about += ";\ngltf, principled: OpenPBR without the parameters that glTF or Blender's Principled BSDF lacks";
         std::vector<Text> names(k_model_names.begin(), k_model_names.end());
         std::ranges::remove_copy(k_openpbr_surfaces, std::back_inserter(names), OpenPbrRequest::k_name);
         return word({"model", k_all, "NAME", about, preset(model_name(k_request))}, names,
@@ -109,17 +109,17 @@ FitOptionRow form() {
 FitOptionRow objective() {
     std::string about = "What the fit minimises:";
     std::vector<Text> names;
-    for (const Objective of : objectives()) {
-        names.push_back(name(of));
-        about += fmt::format("\n{}: {}", name(of), summary(of));
+    for (const Objective objective : objectives()) {
+        names.push_back(name(objective));
+        about += fmt::format("\n{}: {}", name(objective), summary(objective));
     }
     return word({"objective", k_all, "NAME", about, preset(name(k_request.objective))}, names,
                 [](FitRequest& r, Text text) { return store(objective_named(text), r.objective); });
 }
 std::string default_angles() {
     std::vector<std::string> angles;
-    for (const Objective of : objectives())
-        angles.push_back(fmt::format("{} {:g}", name(of), default_max_theta(of) / k_degree));
+    for (const Objective objective : objectives())
+        angles.push_back(fmt::format("{} {:g}", name(objective), default_max_theta(objective) / k_degree));
     return fmt::format("{}", fmt::join(angles, ", "));
 }
 

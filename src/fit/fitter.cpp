@@ -54,7 +54,7 @@ void record(const Comparison& errors, Model& model) {
 Result<FitOutcome> fit_and_measure(Fitter fitter, const FitRequest& request, const ProgressToken& progress) {
     auto outcome = fitter.fit(request, progress.part(0, k_fitted));
     if (!outcome) return outcome;
-    if (const auto within = check_range(outcome->unrounded, "fit"); !within) return within.error();
+    if (const auto within = check_range(outcome->model, "fit"); !within) return within.error();
     const auto measured = fitter.measure(*outcome, request, progress.part(k_fitted, 1));
     return measured ? std::move(outcome) : measured.error();
 }
@@ -93,13 +93,13 @@ Result<FitOutcome> fit_view_by_view(const Evaluate& f, const FitRequest& request
 Result<FitOutcome> fit_by_kind(const FitRequest& request, const Observations& observations, bool is_isotropic,
                                const ProgressToken& progress) {
     return std::visit(
-        [&]<typename R>(const R& of) -> Result<FitOutcome> {
+        [&]<typename R>(const R& kind) -> Result<FitOutcome> {
             if constexpr (std::same_as<R, PmRequest> || std::same_as<R, SuRequest>) {
                 misused("a fit to observations alone");
             } else {
-                auto fitted = Kind<typename R::Model>::fit(observations, of, {is_isotropic, request.threads}, progress);
-                if (!fitted) return fitted.error();
-                return outcome_of(*std::move(fitted));
+                auto fit = Kind<typename R::Model>::fit(observations, kind, {is_isotropic, request.threads}, progress);
+                if (!fit) return fit.error();
+                return outcome_of(*std::move(fit));
             }
         },
         request.model);
@@ -156,7 +156,7 @@ struct Fitter::State {
     /// The errors over pairs of directions of a fit to a table.
     void measure_pairs(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
         const Channels f = channels_of(request);
-        const Channels others[] = {channels(outcome.model), channels(outcome.unrounded)};
+        const Channels others[] = {channels(outcome.model)};
         const auto options = [&](double begin, double end) {
             return MeasureOptions{request.theta(), request.threads, progress.part(begin, end)};
         };
@@ -164,28 +164,39 @@ struct Fitter::State {
             measure_matrix(f, others, options(0, k_matrix_measured), matrix_directions(outcome.model, request.theta()));
         const auto heldout = measure_heldout(f, others, options(k_matrix_measured, k_heldout_measured));
         outcome.errors = {matrix[0], heldout[0], 0};
-        outcome.unrounded_errors = {matrix[1], heldout[1], 0};
     }
     void measure_appearance(FitOutcome& outcome, const Evaluate& reference, const FitRequest& request,
                             const ProgressToken& progress) const {
-        std::vector<Evaluate> others{evaluator(outcome.model), evaluator(outcome.unrounded)};
-        const std::size_t models = others.size();
-        const auto albedo = albedo_errors(reference, others, {request.theta(), request.threads, progress});
-        if (!samples()) others.push_back(exchanged(reference));
-        for (const Model& of_fold : outcome.without_fold) others.push_back(evaluator(of_fold));
-        const auto appearance =
-            compare_pictures(reference, others, request.threads, progress.part(k_albedo_measured, 1), k_sphere_pixels,
-                             samples() && samples()->isotropic);
-        outcome.errors->albedo_error = albedo[0], outcome.errors->appearance = appearance[0];
-        outcome.unrounded_errors->albedo_error = albedo[1], outcome.unrounded_errors->appearance = appearance[1];
-        if (!outcome.without_fold.empty())
-            outcome.errors->heldout_appearance = mean_of(std::span(appearance).subspan(models));
-        if (!samples() && appearance[models].mean.delta_e > 0) outcome.exchanged = appearance[models];
-        if (smoothed_)
-            outcome.against_smoothed = compare_pictures(smoothed_, std::span(others).first(1), request.threads)[0];
-        if (!samples() && is_reciprocal(request))
-            outcome.against_mean =
-                compare_pictures(reciprocal_mean(reference), std::span(others).first(1), request.threads)[0];
+        const Evaluate fitted = evaluator(outcome.model);
+        outcome.errors->albedo_error =
+            albedo_errors(reference, {&fitted, 1}, {request.theta(), request.threads, progress})[0];
+        std::vector<Evaluate> brdfs{reference, fitted};
+        std::vector<ComparedPair> pairs{{0, 1}};
+        const auto compared = [&](Evaluate brdf, bool is_reference) {
+            pairs.push_back(is_reference ? ComparedPair{brdfs.size(), 1} : ComparedPair{0, brdfs.size()});
+            brdfs.push_back(std::move(brdf));
+            return pairs.size() - 1;
+        };
+        const std::size_t against_exchanged = samples() ? 0 : compared(exchanged(reference), false),
+                          against_smoothed = smoothed_ ? compared(smoothed_, true) : 0,
+                          against_mean =
+                              !samples() && is_reciprocal(request) ? compared(reciprocal_mean(reference), true) : 0,
+                          folds = pairs.size();
+        for (const Model& without_fold : outcome.without_fold) compared(evaluator(without_fold), false);
+        const auto appearance = compare_pictures(brdfs, pairs,
+                                                 {.threads = request.threads,
+                                                  .is_isotropic = are_isotropic(outcome),
+                                                  .progress = progress.part(k_albedo_measured, 1)});
+        outcome.errors->appearance = appearance[0];
+        if (folds < pairs.size()) outcome.errors->heldout_appearance = mean_of(std::span(appearance).subspan(folds));
+        if (appearance[against_exchanged].mean.delta_e > 0 && against_exchanged > 0)
+            outcome.exchanged = appearance[against_exchanged];
+        if (against_smoothed > 0) outcome.against_smoothed = appearance[against_smoothed];
+        if (against_mean > 0) outcome.against_mean = appearance[against_mean];
+    }
+    /// True if the measurement and the fit to it do not change when light and viewer turn together.
+    bool are_isotropic(const FitOutcome& outcome) const {
+        return measured_ && is_isotropic(*measured_) && is_isotropic(outcome.model);
     }
     /// The channels that are fitted, and that errors are measured against.
     Channels channels_of(const FitRequest& request) const {
@@ -340,7 +351,8 @@ struct Fitter::State {
             done = next;
             outcome = outcome_of(*std::move(fitted));
             const Evaluate others[] = {evaluator(outcome.model)};
-            const double error = compare_pictures(reference, others, request.threads)[0].mean.delta_e;
+            const PictureOptions of_pictures{.threads = request.threads, .is_isotropic = are_isotropic(outcome)};
+            const double error = compare_pictures(reference, others, of_pictures)[0].mean.delta_e;
             path.push_back({lobes, payload_bytes(outcome.model), error});
             outcome.reached = error <= target;
             if (outcome.reached) break;
@@ -383,17 +395,11 @@ Result<Done> Fitter::measure(FitOutcome& outcome, const FitRequest& request, con
     const StandardArithmetic mode;
     if (const auto measured = state_->measure(outcome, request, progress); !measured) return measured.error();
     if (!progress.report("measuring the error", 1)) {
-        outcome.errors.reset(), outcome.unrounded_errors.reset();
+        outcome.errors.reset();
         return cancelled_error("measure");
     }
     if (outcome.errors) record(*outcome.errors, outcome.model);  // a draft of a fit to samples has none
     return Done{};
-}
-
-Appearance compare_exchanged(const Evaluate& f, int threads) {
-    const StandardArithmetic mode;
-    const Evaluate other = exchanged(f);
-    return compare_pictures(f, {&other, 1}, threads)[0];
 }
 
 Result<FitOutcome> fit(const Measured& measured, const FitRequest& request, const ProgressToken& progress) {

@@ -15,7 +15,7 @@ struct PatchFit {
     /// Σ w (f − f̂)² / Σ w f² of a function (`PartFit`).
     double (*error_ratio)(const Measured& part, const Evaluate& f);
     /// Directional-hemispherical sums of the table, and of a function with the part's beam.
-    std::vector<Hemispherical> (*hemispherical)(const Measured& of, const Evaluate& f, const Beams& beams, Part part);
+    std::vector<Hemispherical> (*hemispherical)(const Measured& data, const Evaluate& f, const Beams& beams, Part part);
 };
 /// Ends beams of reflections at 90°, where they have the light that `parts` do not scatter at the last ring. A beam
 /// that ends there, or in 0, stays.

@@ -24,10 +24,6 @@ inline std::optional<double> target_of(const FitRequest& request) {
     return chosen ? chosen->delta_e : std::nullopt;
 }
 
-/// Picture error between f and its transpose f(wv, wl). A reciprocal fit differs from one of them by at least half of
-/// it.
-Appearance compare_exchanged(const Evaluate& f, int threads = 0);
-
 /// The directions of the matrix on which a model is measured: the sampled directions of a view-by-view model, otherwise
 /// the Fibonacci set of k_matrix_directions within θmax [rad].
 std::vector<Vec3f> matrix_directions(const Model& model, double theta_max);

@@ -40,11 +40,10 @@ inline PmFitOptions pm_options(const FitRequest& request, bool axial, PmForm for
             .threads = request.threads};
 }
 
-/// The model of a fit, before and after rounding, and why its search stopped.
+/// The model of a fit, and why its search stopped.
 template <typename Fit> FitOutcome outcome_of(Fit fit) {
     FitOutcome outcome;
     outcome.model.model = std::move(fit.model);
-    outcome.unrounded.model = std::move(fit.unrounded);
     if constexpr (requires { fit.stop; }) outcome.stop = fit.stop;
     return outcome;
 }

@@ -92,20 +92,20 @@ Result<Done> take_texels(Safetensors& content, TexelMap& map, const std::string&
         return Error{file_name, {}, "tensor 'coefficient'", std::move(expected), std::move(found)};
     };
     if (J == 0 || T == 0) return refuse("of shape [T, J, 3], beside J lobes", T == 0 ? "none" : "no lobes");
-    std::map<std::string, Tensor16> own;
+    std::map<std::string, Tensor16> stored;
     for (const char* name : {"coefficient", "aux.error"})
-        if (auto node = tensors.extract(name)) own.insert(std::move(node));
-    const auto valid =
-        check_tensors(own, {{"coefficient", {Type16::half, {T, J, 3}}}, {"aux.error", {Type16::half, {T}}}}, file_name);
+        if (auto node = tensors.extract(name)) stored.insert(std::move(node));
+    const auto valid = check_tensors(
+        stored, {{"coefficient", {Type16::half, {T, J, 3}}}, {"aux.error", {Type16::half, {T}}}}, file_name);
     if (!valid) return valid;
-    const auto& half = own["coefficient"].data;
+    const auto& half = stored["coefficient"].data;
     map.coefficient.resize(T * J);
     for (std::size_t i = 0; i < half.size(); ++i) {
         const float number = from_half(half[i]);
         if (number < 0) return refuse("numbers of at least 0", fmt::format("{}", number));
         map.coefficient[i / 3][int(i % 3)] = number;
     }
-    for (const std::uint16_t of : own["aux.error"].data) map.error.push_back(from_half(of));
+    for (const std::uint16_t error : stored["aux.error"].data) map.error.push_back(from_half(error));
     tensors["coefficient"] = {Type16::half, {J, 3}, std::vector<std::uint16_t>(3 * J, to_half(1.f))};
     return Done{};
 }

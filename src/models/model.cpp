@@ -28,15 +28,15 @@ constexpr std::string_view k_former_openpbr = "pbr";
 template <typename M> using KindOf = Kind<std::remove_cvref_t<M>>;
 
 double largest_number(const Model& model) {
-    return std::visit([](const auto& of) { return KindOf<decltype(of)>::largest(of); }, model.model);
+    return std::visit([](const auto& brdf) { return KindOf<decltype(brdf)>::largest(brdf); }, model.model);
 }
 
 /// A model's tensors and metadata, without the version.
 Safetensors content_of(const Model& model) {
     return std::visit(
-        [&](const auto& of) {
-            Safetensors content = KindOf<decltype(of)>::content(of);
-            content.metadata["model"] = KindOf<decltype(of)>::name;
+        [&](const auto& brdf) {
+            Safetensors content = KindOf<decltype(brdf)>::content(brdf);
+            content.metadata["model"] = KindOf<decltype(brdf)>::name;
             content.metadata.insert(model.provenance.begin(), model.provenance.end());
             return content;
         },
@@ -74,10 +74,10 @@ template <typename... M> struct Kinds<std::variant<M...>> {
         return *std::move(model);
     }
     /// The model of these parameters, whose names determine its kind.
-    static Result<Model> from_parameters(ParameterReader of) {
+    static Result<Model> from_parameters(ParameterReader reader) {
         std::optional<Result<Model>> model;
         const auto make_one = [&]<typename K>(std::type_identity<K>) {
-            if (!model && Kind<K>::matches(of)) model.emplace(rounded_of<K>(of));
+            if (!model && Kind<K>::matches(reader)) model.emplace(rounded_of<K>(reader));
         };
         (make_one(std::type_identity<M>()), ...);
         if (model) return *std::move(model);
@@ -85,9 +85,9 @@ template <typename... M> struct Kinds<std::variant<M...>> {
     }
 
   private:
-    template <typename K> static Result<Model> rounded_of(ParameterReader& of) {
-        K given = Kind<K>::from_parameters(of);
-        if (const auto error = of.error()) return *error;
+    template <typename K> static Result<Model> rounded_of(ParameterReader& reader) {
+        K given = Kind<K>::from_parameters(reader);
+        if (const auto error = reader.error()) return *error;
         auto rounded = as_stored(given, "parameters");
         if (!rounded) return rounded.error();
         if (const auto lost = lost_number(Kind<K>::parameters(given), Kind<K>::parameters(*rounded))) return *lost;
@@ -129,9 +129,9 @@ Result<BsdfModel> Kind<BsdfModel>::read(Safetensors& content, const std::string&
         if (of_part.tensors.empty() && of_part.metadata.empty()) continue;
         auto part = model_of(std::move(of_part), true, file_name);
         if (!part) {
-            Error of = part.error();
-            of.what = fmt::format("{}: {}", k_part_names[p], of.what);
-            return of;
+            Error error = part.error();
+            error.what = fmt::format("{}: {}", k_part_names[p], error.what);
+            return error;
         }
         bsdf.part[p] = std::make_shared<const Model>(*std::move(part));
     }
@@ -260,7 +260,7 @@ Result<Done> check_range(const Model& model, const std::string& source) {
     const double largest = largest_number(model);
     if (!(largest > double(k_half_max))) return Done{};
     return input_error(source, "coefficient", fmt::format("at most {:g}, the largest 16-bit float", k_half_max),
-                       fmt::format("{:.6g}", largest));
+                       std::isinf(largest) ? "a larger one" : fmt::format("{:.6g}", largest));
 }
 
 Result<Done> save_model(const Model& model, const std::string& path) {

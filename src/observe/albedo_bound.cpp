@@ -120,7 +120,7 @@ std::size_t AlbedoBound::add_exceeded(Observations& observations, const Evaluate
 }
 
 PmModel lowered_to(const AlbedoBound& bound, PmModel model) {
-    const auto excess = [&](const AlbedoBound& of) { return of.excess(evaluator(model)); };
+    const auto excess = [&](const AlbedoBound& checked) { return checked.excess(evaluator(model)); };
     if (excess(bound) > 1) model = lowered_at_views(bound, std::move(model));
     if (excess(bound) < k_checked_excess) return model;
     const AlbedoBound fine(bound.limit(), 1, true);

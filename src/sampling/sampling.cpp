@@ -56,10 +56,10 @@ float pdf(const Proposal& proposal, Vec3f wl, Vec3f wv) {
 Proposal propose(const Model& model, const ProposeOptions& options) {
     const auto* su = std::get_if<SuModel>(&model.model);
     if (su && su->discretise == Discretise::view) return propose(*su);
-    ProposeOptions own = options;
-    own.facets = facets_of(model);
-    if (own.facets && !is_isotropic(model)) own.azimuths = std::max(own.azimuths, k_anisotropic_azimuths);
-    return propose(evaluator(model), own);
+    ProposeOptions adapted = options;
+    adapted.facets = facets_of(model);
+    if (adapted.facets && !is_isotropic(model)) adapted.azimuths = std::max(adapted.azimuths, k_anisotropic_azimuths);
+    return propose(evaluator(model), adapted);
 }
 
 }  // namespace srbf

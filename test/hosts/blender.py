@@ -25,7 +25,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from seen import delta_e, displayed, exposure  # noqa: E402
-from surface_host import DISTANCE, ELEVATION, FIELD, MATERIALS, SIZE, drawn, drawn_by_cycles, on_sphere, run, studio  # noqa: E402
+from surface_drawing import DISTANCE, ELEVATION, FIELD, MATERIALS, SIZE, drawn, drawn_by_cycles, on_sphere, run, studio  # noqa: E402
 from verdict import end, expect  # noqa: E402
 
 data = Path(sys.argv[2])
@@ -160,11 +160,11 @@ with tempfile.TemporaryDirectory() as folder:
         run("export", principled + ".srbf", "--to", "principled", "-o", principled + ".py")
         of_lights = []
         for light, environment in lights.items():
-            pictures = [drawn(measured, f"{folder}/m.exr", environment), *(drawn_by_cycles(of, f"{folder}/n.exr", environment=environment)
-                                                                          for of in (script, principled + ".py"))]
-            reference, nodes, parameters = (of[inside] for of in pictures)
+            pictures = [drawn(measured, f"{folder}/m.exr", environment), *(drawn_by_cycles(exported, f"{folder}/n.exr", environment=environment)
+                                                                          for exported in (script, principled + ".py"))]
+            reference, nodes, parameters = (picture[inside] for picture in pictures)
             of_lights.append((delta_e(nodes, reference), delta_e(parameters, reference)))
-            rows.append(np.concatenate([displayed(of, exposure(reference)) for of in pictures], axis=1))
+            rows.append(np.concatenate([displayed(picture, exposure(reference)) for picture in pictures], axis=1))
         errors.append(np.mean(of_lights, axis=0))
         of_studio.append(of_lights[0])
         ours, theirs = errors[-1]

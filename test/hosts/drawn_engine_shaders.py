@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The shaders for Unity and Godot 4, with stand-ins for the engines' names, run in OpenGL: under a lamp a sphere of the film is that of the
-model, within a mean ΔE_ITP of 1, and under light from everywhere it reflects its albedo. The engines themselves are not run.
+"""The shaders for Unity and Godot 4, with stand-ins for the engines' names, run in OpenGL: under a directional light a sphere of the
+film is that of the model, within a mean ΔE_ITP of 1, and under light from everywhere it reflects its albedo. The engines themselves are not run.
 Arguments: the program, and a folder that is not read.
 """
 import importlib.util
@@ -18,7 +18,7 @@ sys.path.insert(0, str(here.parent.parent))
 spec = importlib.util.spec_from_file_location("shaders", here.parent.parent / "engine_shaders.py")
 shaders = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(shaders)
-import lamp  # noqa: E402
+import lit_sphere  # noqa: E402
 
 program, data = os.path.abspath(sys.argv[1]), here.parents[2] / "data"
 glslang, spirv_cross = shutil.which("glslangValidator"), shutil.which("spirv-cross")
@@ -40,17 +40,17 @@ void main() {
 UNITY = ("layout(location = 0) out vec3 a; layout(location = 1) out vec3 b; layout(location = 2) out float c; layout(location = 3) out vec4 d;",
          "a = position; b = normal; c = 1.0; d = vec4(1.0);")
 GODOT = ("out vec3 NORMAL, VIEW, LIGHT, LIGHT_COLOR;",
-         f"NORMAL = normal; VIEW = normalize(vec3(0.0, 0.0, {lamp.DISTANCE}) - position); LIGHT = vec3({', '.join(map(str, lamp.LAMP))});"
-         f"LIGHT_COLOR = vec3({lamp.IRRADIANCE});")
+         f"NORMAL = normal; VIEW = normalize(vec3(0.0, 0.0, {lit_sphere.DISTANCE}) - position); LIGHT = vec3({', '.join(map(str, lit_sphere.TO_LIGHT))});"
+         f"LIGHT_COLOR = vec3({lit_sphere.IRRADIANCE});")
 
 
 class Sphere:
     """Draws a pixel for each point of the unit sphere by a fragment shader."""
 
     def __init__(self):
-        self.inside, normal, _ = lamp.points()
+        self.inside, normal, _ = lit_sphere.points()
         rows, columns = np.nonzero(self.inside)
-        at = np.stack([columns + 0.5, rows + 0.5], axis=1) / lamp.SIZE * 2 - 1
+        at = np.stack([columns + 0.5, rows + 0.5], axis=1) / lit_sphere.SIZE * 2 - 1
         self.gl = moderngl.create_standalone_context(backend="egl")
         self.vertices = self.gl.buffer(np.hstack([at, normal, normal]).astype("f4").tobytes())
 
@@ -58,19 +58,19 @@ class Sphere:
         """The outputs of the shader at the pixels: two arrays [n, 3]."""
         vertex = VERTEX.replace("NAMES", outputs[0]).replace("SET", outputs[1])
         shader = self.gl.program(vertex_shader=vertex, fragment_shader=fragment)
-        targets = [self.gl.texture((lamp.SIZE, lamp.SIZE), 4, dtype="f4") for _ in range(2)]
+        targets = [self.gl.texture((lit_sphere.SIZE, lit_sphere.SIZE), 4, dtype="f4") for _ in range(2)]
         self.gl.framebuffer(targets).use()
         kept = prepare(self.gl, shader)
         self.gl.vertex_array(shader, [(self.vertices, "2f 3f 3f", "at", "position", "normal")]).render(moderngl.POINTS)
         del kept
-        return [np.frombuffer(target.read(), "f4").reshape(lamp.SIZE, lamp.SIZE, 4)[self.inside][:, :3].astype(float) for target in targets]
+        return [np.frombuffer(target.read(), "f4").reshape(lit_sphere.SIZE, lit_sphere.SIZE, 4)[self.inside][:, :3].astype(float) for target in targets]
 
 
 def under(light, around):
-    """Sets Unity's names: a lamp in the direction of lamp.py, and the same radiance from everywhere."""
+    """Sets Unity's names: a light in the direction of lit_sphere.py, and the same radiance from everywhere."""
     def prepare(gl, shader):
         ones = np.ones(4)
-        block = np.concatenate([np.zeros(48), ones, ones, around * ones, lamp.LAMP, [0], light / np.pi * ones, [0, 0, lamp.DISTANCE, 0]])
+        block = np.concatenate([np.zeros(48), ones, ones, around * ones, lit_sphere.TO_LIGHT, [0], light / np.pi * ones, [0, 0, lit_sphere.DISTANCE, 0]])
         numbers, tint = gl.buffer(block.astype("f4").tobytes()), gl.buffer(ones.astype("f4").tobytes())
         cube = gl.texture_cube((1, 1), 4, np.full(24, around, "f4").tobytes(), dtype="f4")
         for name, buffer, binding in (("Unity", numbers, 0), ("UnityPerMaterial", tint, 1)):
@@ -85,7 +85,7 @@ def under(light, around):
 with tempfile.TemporaryDirectory() as folder:
     model = Path(folder, "film.srbf")
     subprocess.run([program, "fit", data / "cc_ibiza_sunset_rgb.bsdf", "-o", model], check=True, stdout=subprocess.DEVNULL)
-    exact = lamp.reference(program, model, folder)
+    exact = lit_sphere.reference(program, model, folder)
     shaders.compile_unity(glslang, folder)
     subprocess.run([spirv_cross, f"{folder}/pass0.frag.spv", "--version", "450", "--no-es", "--output", f"{folder}/unity.glsl"], check=True)
     unity = Path(folder, "unity.glsl").read_text(encoding="utf-8")
@@ -100,11 +100,11 @@ def check(good, text):
     failures += not good
 
 
-for name, drawn in {"Godot 4": in_godot, "Unity": sphere.drawn(UNITY, unity, under(lamp.IRRADIANCE, 0))[0]}.items():
+for name, drawn in {"Godot 4": in_godot, "Unity": sphere.drawn(UNITY, unity, under(lit_sphere.IRRADIANCE, 0))[0]}.items():
     picture = np.zeros_like(exact)
     picture[sphere.inside] = drawn
-    error = lamp.apart(picture, exact)
-    check(error <= lamp.WITHIN, f"shader for {name}, with stand-ins: film {error:.2f}")
+    error = lit_sphere.picture_error(picture, exact)
+    check(error <= lit_sphere.WITHIN, f"shader for {name}, with stand-ins: film {error:.2f}")
 around = np.abs(sphere.drawn(UNITY, unity, under(0, 1))[0] - np.minimum(albedo, 1)).max()
 check(around < 0.01, f"shader for Unity in white surroundings: differs from the albedo by {around:.4f} at most")
 sys.exit(bool(failures))

@@ -2,9 +2,9 @@
 """The plugin of examples/mitsuba: built for the Mitsuba of this Python (packages mitsuba, nanobind and numpy of PyPI) and the library of PROGRAM's
 build as it is installed, and run in scalar_rgb. Without the packages nothing is tried.
 
-Its picture of a sphere under a lamp is that of the model, and of a measurement that of Mitsuba's `measured`; values are those of `srbf eval`; samples
-have the density and the weights that the other functions say, on both sides of a BSDF too, and follow the brushing of an anisotropic surface; what it
-refuses, it refuses in one line.
+Its picture of a sphere under a directional light is that of the model, and of a measurement that of Mitsuba's `measured`; values are those of
+`srbf eval`; samples have the density and the weights that the other functions say, on both sides of a BSDF too, and follow the brushing of an
+anisotropic surface; what it refuses, it refuses in one line.
 Arguments: the program.
 """
 import importlib.util
@@ -23,7 +23,7 @@ import numpy as np
 
 root = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(root / "test"))
-import lamp  # noqa: E402
+import lit_sphere  # noqa: E402
 from seen import delta_e  # noqa: E402
 from verdict import end, expect  # noqa: E402
 
@@ -48,9 +48,9 @@ def picture_of(bsdf):
         return mi.ScalarTransform4f().look_at(origin=origin, target=[0, 0, 0], up=[0, 1, 0])
     return np.array(mi.render(mi.load_dict({
         "type": "scene", "integrator": {"type": "direct", "emitter_samples": 1, "bsdf_samples": 0},
-        "lamp": {"type": "directional", "direction": list(-lamp.LAMP), "irradiance": {"type": "rgb", "value": lamp.IRRADIANCE}},
+        "light": {"type": "directional", "direction": list(-lit_sphere.TO_LIGHT), "irradiance": {"type": "rgb", "value": lit_sphere.IRRADIANCE}},
         "ball": {"type": "sphere", "bsdf": bsdf},
-        "camera": {"type": "perspective", "fov": math.degrees(2 * lamp.HALF_FIELD), "to_world": seen_from([0, 0, lamp.DISTANCE]), "film": film_of(lamp.SIZE),
+        "camera": {"type": "perspective", "fov": math.degrees(2 * lit_sphere.HALF_FIELD), "to_world": seen_from([0, 0, lit_sphere.DISTANCE]), "film": film_of(lit_sphere.SIZE),
                    "sampler": {"type": "stratified", "sample_count": 16}},
     })), dtype=float)
 
@@ -148,21 +148,21 @@ with tempfile.TemporaryDirectory() as folder:
     model = f"{folder}/film.srbf"
     run(program, "fit", film, "-o", model)
 
-    inside, own, measured = lamp.points()[0], {"type": "srbf_cpp", "filename": model}, {"type": "measured", "filename": str(film)}
+    inside, plugin, measured = lit_sphere.points()[0], {"type": "srbf_cpp", "filename": model}, {"type": "measured", "filename": str(film)}
     of_file = {"type": "srbf_cpp", "filename": str(film), "exchange": True}
-    apart = lamp.apart(picture_of(own), lamp.reference(program, model, folder))
+    apart = lit_sphere.picture_error(picture_of(plugin), lit_sphere.reference(program, model, folder))
     expect(apart < 0.2, f"Mitsuba {version('mitsuba')}: the picture differs from the model by a ΔE_ITP of {apart:.3f}")
     apart = delta_e(picture_of(of_file)[inside], picture_of(measured)[inside])
     expect(apart < 0.2, f"the picture of the file differs from that of `measured` by {apart:.3f}")
 
-    pairs = lamp.pairs()[::999]
+    pairs = lit_sphere.pairs()[::999]
     pairs = pairs[(pairs[:, 2] > 0.05) & (pairs[:, 5] > 0.05)]
-    bsdf = mi.load_dict(own)
+    bsdf = mi.load_dict(plugin)
     values = np.array([bsdf.eval(mi.BSDFContext(), interaction(pair[3:]), mi.Vector3f(*pair[:3].tolist())) for pair in pairs])
-    np.testing.assert_allclose(values * lamp.IRRADIANCE, lamp.reflected(program, model, pairs, folder), rtol=2e-4, atol=1e-6)
+    np.testing.assert_allclose(values * lit_sphere.IRRADIANCE, lit_sphere.reflected(program, model, pairs, folder), rtol=2e-4, atol=1e-6)
     print("ok   values are those of `srbf eval`")
 
-    for name, material in (("default", own), ("the file", of_file), ("BSDF", {"type": "srbf_cpp", "filename": str(root / "test/models/1/bsdf.srbf")})):
+    for name, material in (("default", plugin), ("the file", of_file), ("BSDF", {"type": "srbf_cpp", "filename": str(root / "test/models/1/bsdf.srbf")})):
         bsdf = mi.load_dict(material)
         for z in (0.9, 0.3) if name != "BSDF" else (0.7, -0.4):
             wi = directions(np.array(z), np.array(0.5))
@@ -170,8 +170,8 @@ with tempfile.TemporaryDirectory() as folder:
             expect(abs(seen - albedo) < 0.01 * albedo, f"its radiance in white surroundings is {seen:.4f}, the mean of all weights {albedo:.4f}")
     variance = relative_variance(mi.load_dict({"type": "srbf_cpp", "filename": str(brushed_samples(folder))}), 0.7)
     expect(variance < 0.6, f"samples follow a brushed surface: their relative variance at 45° is {variance:.2f} (0.87 by a density that does not)")
-    back, zero = interaction([0.6, 0, -0.8]), mi.load_dict(own)
-    both = mi.load_dict({"type": "twosided", "bsdf": own})
+    back, zero = interaction([0.6, 0, -0.8]), mi.load_dict(plugin)
+    both = mi.load_dict({"type": "twosided", "bsdf": plugin})
     expect(not any(zero.eval(mi.BSDFContext(), back, mi.Vector3f(0, 0, z))[1] for z in (1, -1)) and
            zero.sample(mi.BSDFContext(), back, 0.5, mi.Point2f(0.3, 0.7))[1][1] == 0, "a BRDF is black from the back")
     expect(both.eval(mi.BSDFContext(), back, mi.Vector3f(0, 0, -1))[1] > 0, "with `twosided` it is not")
@@ -179,6 +179,6 @@ with tempfile.TemporaryDirectory() as folder:
     error = refusal({"type": "srbf_cpp", "filename": f"{folder}/absent.srbf"})
     expect("absent.srbf" in error and "\n" not in error.strip(), f"a file that is not there: {error.strip()}")
     mi.set_variant("scalar_spectral")
-    error = refusal(own)
+    error = refusal(plugin)
     expect("srbf_cpp" in error and "scalar_spectral" in error, f"another variant: {error.strip()}")
 end()

@@ -42,9 +42,9 @@ for (const kind of readdirSync(path.join(root, "fuzz/corpus"))) {
     const whole = readFileSync(path.join(root, "fuzz/corpus", kind, name));
     for (const share of [1, 0.9, 0.5, 0.1])
       try {
-        const of = await open(whole.subarray(0, Math.floor(share * whole.length)), name);
-        of.evaluate(wl, wv);
-        of.close();
+        const opened = await open(whole.subarray(0, Math.floor(share * whole.length)), name);
+        opened.evaluate(wl, wv);
+        opened.close();
         ++read;
       } catch (error) {
         assert(!(error instanceof WebAssembly.RuntimeError) && !error.message.includes("\n"), `${kind}/${name}: ${error.message}`);

@@ -56,10 +56,10 @@ def tree_values(name, folder):
         pairs.append(np.r_[one])
         expected.append(radiance.query(bsdf, angles[0][0], angles[1][0], angles[0][1], angles[1][1])[1])
     pairs, expected = np.reshape(pairs, (-1, 6)), np.array(expected)
-    own = values(path, pairs, folder)
+    found = values(path, pairs, folder)
     # At the edge of a leaf the values of both sides are valid.
-    agree = np.mean(np.abs(own - expected) <= 2e-4 * np.abs(expected) + 1e-5)
-    expect(agree > 0.998, f"{name}: {agree:.4%} of {len(own)} directions have Radiance's value")
+    agree = np.mean(np.abs(found - expected) <= 2e-4 * np.abs(expected) + 1e-5)
+    expect(agree > 0.998, f"{name}: {agree:.4%} of {len(found)} directions have Radiance's value")
 
 
 with tempfile.TemporaryDirectory() as folder:
@@ -92,21 +92,21 @@ with tempfile.TemporaryDirectory() as folder:
         rows = "\n".join(" ".join(f"{x:.9g}" for x in row) for row in pairs)
         out = subprocess.run([binaries + "/rcalc", "-f", cal, "-e", f"$1={name}($1,$2,$3,$4,$5,$6)"], input=rows, check=True,
                              capture_output=True, text=True).stdout
-        own = values(model, pairs if name == "shade" else pairs * np.array([-1, 1, -1, -1, 1, -1]), folder, luminance=True)
-        error = np.abs(np.array(out.split(), float) - own)
-        mean = np.mean(error) / np.mean(own)
-        expect(np.max(error) <= 2e-3 * np.max(own) and mean <= 1e-3, f"{name}.cal: values of the model, mean error {mean:.2e}")
+        expected = values(model, pairs if name == "shade" else pairs * np.array([-1, 1, -1, -1, 1, -1]), folder, luminance=True)
+        error = np.abs(np.array(out.split(), float) - expected)
+        mean = np.mean(error) / np.mean(expected)
+        expect(np.max(error) <= 2e-3 * np.max(expected) and mean <= 1e-3, f"{name}.cal: values of the model, mean error {mean:.2e}")
         if name == "paper":
             tree = f"{folder}/{name}.tree.xml"
             with open(tree, "w") as file:
                 subprocess.run([binaries + "/bsdf2ttree", "-p", "-t3", "-g", "4", "-f", cal, name], check=True, stdout=file)
             expect(len(open(tree).read()) > 10000, "bsdf2ttree makes a tree of paper.cal")
-    # Of a tree to a model, a matrix, and Radiance. The tree has steps: a model, and the matrix' patch from 25 to 35 degrees, are
-    # nearer to its mean than to its value at 30.
+    # A tree becomes a model, and the model a matrix, which Radiance reads. The tree has steps: a model, and the matrix' patch
+    # from 25 to 35 degrees, are nearer to its mean than to its value at 30.
     subprocess.run([program, "fit", f"{data}/tensor/t3.xml", "-o", f"{folder}/t3.srbf"], check=True, capture_output=True)
     subprocess.run([program, "convert", f"{folder}/t3.srbf", "-o", f"{folder}/t3.xml"], check=True)
     sines = np.sqrt(np.linspace(*np.sin(np.radians([25, 35])) ** 2, 21))
-    own = np.mean([transmittance(f"{data}/tensor/t3.xml", np.degrees(np.arcsin(sine))) for sine in sines])
+    mean = np.mean([transmittance(f"{data}/tensor/t3.xml", np.degrees(np.arcsin(sine))) for sine in sines])
     a = transmittance(f"{folder}/t3.xml", 30)
-    expect(abs(a - own) <= 0.02 * own, f"t3.xml, fitted: transmittance at 30 degrees {a:.6f}, of the tree from 25 to 35 {own:.6f}")
+    expect(abs(a - mean) <= 0.02 * mean, f"t3.xml, fitted: transmittance at 30 degrees {a:.6f}, of the tree from 25 to 35 {mean:.6f}")
 end()

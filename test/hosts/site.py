@@ -167,7 +167,7 @@ def linked(page, folder):
     check(chromium.run("document.querySelector('#about a')?.href") == "https://rgl.epfl.ch/materials", f"{name} has no link to its measurement")
     on_one_screen(page, "1", ", .controls > label > *")
     for_blender(page, root / "data/gallery" / name, folder)
-    # The same ball again, after another file.
+    # The same ball is opened again, after another file.
     page.give(root / "data/paper_white_rgb.csv")
     page.wait("another file", lambda state: state["name"] == "paper_white_rgb.csv" or state["working"])
     chromium.click(LAST_BALL)
@@ -188,24 +188,24 @@ def clicked(page, ball):
 
 def choose(page, name, value):
     """A light or a shape of the pictures, a slider of the edits, or the number of lobes."""
-    page.chromium.run(f"""(() => {{ const of = document.querySelector(".controls").elements[{name!r}] ?? document.querySelector("#edit_{name}, #{name}"); of.value = {value!r};
-        for (const kind of ["input", "change"]) of.dispatchEvent(new Event(kind, {{ bubbles: true }})); }})()""")
+    page.chromium.run(f"""(() => {{ const input = document.querySelector(".controls").elements[{name!r}] ?? document.querySelector("#edit_{name}, #{name}"); input.value = {value!r};
+        for (const kind of ["input", "change"]) input.dispatchEvent(new Event(kind, {{ bubbles: true }})); }})()""")
 
 
 def pixels(page, material):
     """The brightness of pixels in the middle of a picture, and whether all were drawn."""
     return page.chromium.run(f"""(() => {{ const numbers = [], copy = Object.assign(document.createElement("canvas"), {{ width: 80, height: 60 }}).getContext("2d");
         copy.drawImage(document.querySelector("figure[data-material='{material}'] canvas"), 0, 0, 80, 60);
-        const of = copy.getImageData(25, 15, 30, 30).data;
-        for (let i = 0; i < of.length; i += 4) numbers.push((of[i] + of[i + 1] + of[i + 2]) / 765);
-        return [numbers, of.every((x, i) => i % 4 < 3 || x === 255)]; }})()""")
+        const bytes = copy.getImageData(25, 15, 30, 30).data;
+        for (let i = 0; i < bytes.length; i += 4) numbers.push((bytes[i] + bytes[i + 1] + bytes[i + 2]) / 765);
+        return [numbers, bytes.every((x, i) => i % 4 < 3 || x === 255)]; }})()""")
 
 
 mean = lambda numbers: sum(numbers) / len(numbers)
 difference = lambda a, b: mean([abs(x - y) for x, y in zip(a, b)])
 
 
-# What an edit may lose or move: material, sliders and address; and the places of pictures, sliders and buttons below the first picture.
+# Returns what an edit may lose or move: material, sliders, address, and the places of pictures, sliders and buttons.
 WORK = """(() => { const boxes = [...document.querySelectorAll("figure:not([hidden]) canvas, #editing input, #saving .main")].map((e) => e.getBoundingClientRect());
     return { address: location.hash, name: app.state().file.name, edited: app.state().edited?.bytes, hue: document.getElementById("edit_hue").value,
         boxes: boxes.map((box) => [box.x, box.y - boxes[0].y, box.width, box.height].map(Math.round)) }; })()"""
@@ -303,7 +303,7 @@ def replaced(page):
 
 
 def edited(page, folder):
-    """By mouse alone from a drop to a saved three.js material that was edited."""
+    """Drops a measurement, edits its model and saves it as a three.js material, by mouse alone."""
     film, chromium = root / "data/cc_ibiza_sunset_rgb.bsdf", page.chromium
     page.give(film)
     page.wait("the film", lambda state: state["name"] == film.name and not state["working"])

@@ -21,7 +21,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from chromium import WEBGL, Chromium, program as chromium  # noqa: E402
 from seen import delta_e, displayed, exposure, hdr_of  # noqa: E402
-from surface_host import BRUSHED, DISTANCE, ELEVATION, FIELD, MATERIALS, SAMPLES, SIZE, draws_brushed, holds, lost, on_sphere, pixels_of, run, studio as environment  # noqa: E402
+from surface_drawing import BRUSHED, DISTANCE, ELEVATION, FIELD, MATERIALS, SAMPLES, SIZE, draws_brushed, holds, lost, on_sphere, pixels_of, run, studio as environment  # noqa: E402
 
 found = next((Path(p) / "nicegui/elements/scene/dist" for p in sys.path if (Path(p) / "nicegui/elements/scene/dist/index.js").exists()), None)
 if found is None or chromium() is None or importlib.util.find_spec("OpenEXR") is None:
@@ -47,9 +47,9 @@ window.draw = async (glb, size, eye, field, lights, light, width, height) => {
     camera.lookAt(0, 0, 0);
     camera.updateMatrixWorld();
     for (const [towards, irradiance] of lights) {
-        const of = new THREE.DirectionalLight(0xffffff, irradiance);
-        of.position.set(...towards).transformDirection(camera.matrixWorld);
-        scene.add(of);
+        const lamp = new THREE.DirectionalLight(0xffffff, irradiance);
+        lamp.position.set(...towards).transformDirection(camera.matrixWorld);
+        scene.add(lamp);
     }
     if (light) {
         const texels = new THREE.DataTexture(new Float32Array(bytes(light).buffer), width, height, THREE.RGBAFormat, THREE.FloatType);
@@ -111,8 +111,8 @@ with tempfile.TemporaryDirectory() as folder:
                 pictures = [rendered(subject, f"{folder}/{name}-{len(row)}-{i}.exr", words) for i, subject in enumerate((measured, model))]
                 pictures.append(drawn(page, glb, lights, texels))
                 reference, surface, three = (picture[inside] for picture in pictures)
-                kind, own = ("lights", OWN_FORMULAS) if texels is None else ("environment", MATERIALS)
-                if not holds(name, f"three.js ({kind})", lost(reference, surface, three), own):
+                kind, exempt = ("lights", OWN_FORMULAS) if texels is None else ("environment", MATERIALS)
+                if not holds(name, f"three.js ({kind})", lost(reference, surface, three), exempt):
                     failures.append(name)
                 by = exposure(reference)
                 row += [displayed(picture, by) for picture in pictures]

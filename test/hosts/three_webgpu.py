@@ -22,7 +22,7 @@ sys.path.insert(0, str(here.parent.parent))
 from chromium import program as chromium  # noqa: E402
 from seen import delta_e, equirectangular  # noqa: E402
 from served import WEBGPU, opened, picture  # noqa: E402
-from surface_host import DISTANCE, ELEVATION, FIELD, SIZE, coarse, drawn, on_sphere, run  # noqa: E402
+from surface_drawing import DISTANCE, ELEVATION, FIELD, SIZE, coarse, drawn, on_sphere, run  # noqa: E402
 from verdict import end, expect  # noqa: E402
 
 SWIFTSHADER = ["--use-gl=angle", "--use-angle=swiftshader", "--ignore-gpu-blocklist", "--enable-unsafe-swiftshader"]
@@ -122,15 +122,15 @@ with tempfile.TemporaryDirectory() as name:
         model, other, pictures = Path(name, "material.srbf"), Path(name, "other.srbf"), {}
         run("fit", here.parents[2] / f"data/{material}.bsdf", "-o", model)
         run("edit", model, "--hue", 120, "-o", other)
-        traced = {of: coarse(drawn(model, f"{name}/traced.exr", path))[whole] for of, path in environments.items()}
+        traced = {light: coarse(drawn(model, f"{name}/traced.exr", path))[whole] for light, path in environments.items()}
         for renderer, (kind, flags, files, imports) in RENDERERS.items():
             site = Path(name, material, renderer)
             site.mkdir(parents=True)
             for file in files:
                 shutil.copy(found[renderer] / f"three.{file}.js", site)
             run("export", model, other, "--to", kind, "-o", site / "material.js")
-            for of, text in texels.items():
-                (site / f"{of}.json").write_text(text)
+            for light, text in texels.items():
+                (site / f"{light}.json").write_text(text)
             texts = {"ENVIRONMENTS": json.dumps(list(ENVIRONMENTS)), "IMPORTS": json.dumps(imports), "LIBRARY": next(iter(imports)),
                      "FIELD": str(math.degrees(FIELD)), "SIZE": str(SIZE), "EYE": str([0, DISTANCE * math.sin(ELEVATION), DISTANCE * math.cos(ELEVATION)])}
             page = PAGE
@@ -143,21 +143,21 @@ with tempfile.TemporaryDirectory() as name:
                     pictures[renderer, light] = picture(browser, f"drawn('ours', '{light}')", SIZE)
                     if light in ENVIRONMENTS and light != "studio":
                         continue
-                    own, ours = (milliseconds(browser, of, light) for of in ("standard", "ours"))
-                    print(f"     {material}, {renderer}, {light}: {ours:.0f} ms, {ours / own:.1f} times as long as MeshStandardMaterial", flush=True)
+                    standard, ours = (milliseconds(browser, name, light) for name in ("standard", "ours"))
+                    print(f"     {material}, {renderer}, {light}: {ours:.0f} ms, {ours / standard:.1f} times as long as MeshStandardMaterial", flush=True)
                 for other, most in OTHERS.items() if kind == "three-webgpu" else []:
                     apart = delta_e(picture(browser, f"drawn('ours', '{other}')", SIZE)[inside], pictures[renderer, "studio"][inside])
                     expect(apart < most, f"{material}, {renderer}, studio: by a {other} {apart:.2f}")
                 browser.run("loaded()")
-                for of in ("other", "saved", "loaded"):
-                    pictures[renderer, of] = picture(browser, f"drawn('{of}', 'lamps')", SIZE)
+                for shown in ("other", "saved", "loaded"):
+                    pictures[renderer, shown] = picture(browser, f"drawn('{shown}', 'lamps')", SIZE)
             apart = delta_e(pictures[renderer, "other"][inside], pictures[renderer, "lamps"][inside])
             expect(apart > 5, f"{material}, {renderer}: between two materials of a page {apart:.2f}")
             apart = delta_e(pictures[renderer, "loaded"][inside], pictures[renderer, "saved"][inside])
             expect(apart == 0, f"{material}, {renderer}: between one that was saved and loaded {apart:.2f}")
-            for of, most in ENVIRONMENTS.items():
-                apart = delta_e(coarse(pictures[renderer, of])[whole], traced[of])
-                expect(apart <= most, f"{material}, {renderer}, {of}: against path tracing {apart:.2f}")
+            for light, most in ENVIRONMENTS.items():
+                apart = delta_e(coarse(pictures[renderer, light])[whole], traced[light])
+                expect(apart <= most, f"{material}, {renderer}, {light}: against path tracing {apart:.2f}")
         for light, most in LIGHTS.items():
             apart = delta_e(*(pictures[renderer, light][inside] for renderer in RENDERERS))
             expect(apart <= most, f"{material}, {light}: between the renderers {apart:.4f}")

@@ -4,8 +4,8 @@ include(${CMAKE_CURRENT_LIST_DIR}/used.cmake)
 used(${BUILD})
 run(${FOLDER}/prefix/bin/srbf info ${FOLDER}/paper.srbf)
 
-# As a part of a user's project, which compiles it; here, what the build has compiled is copied. Files are joined as they are
-# there: a build without ccache joins them, as one does where ccache is switched off.
+# A user's project may compile the library as its part; here, what the build has compiled is copied. Files are joined as
+# they are there: a build without ccache joins them, as one does where ccache is switched off.
 set(joined)
 if(COMPILED_ONCE)
   set(joined ${CMAKE_COMMAND} -E env CCACHE_DISABLE=1)

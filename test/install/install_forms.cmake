@@ -19,7 +19,7 @@ file(GLOB libraries ${FOLDER}/library_shared/libsrbf*)
 configured(${FOLDER}/whole_shared -DBUILD_SHARED_LIBS=ON)
 used(${FOLDER}/whole_shared library development)  # its program is not built
 
-# What draws with environments, which takes long to filter.
+# This example draws with environments, which take long to filter.
 find_program(XVFB xvfb-run)
 run(${BUILD}/srbf export --help)
 if(XVFB AND EXISTS ${FOLDER}/examples/environment_light AND out MATCHES "NAME_environment" AND out MATCHES "dds:")

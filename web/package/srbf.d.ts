@@ -35,9 +35,9 @@ export interface Report {
   bytes: number;
   seconds: number;
   twoSided: boolean;
-  /** For one-sided measurements only. Of samples, the worst of pictures, of cross-validation and at the samples. */
+  /** One-sided measurements have it; for samples, the worst of pictures, of cross-validation and at the samples. */
   seen?: Seen;
-  /** What is said first of the errors. */
+  /** A sentence that sums up the errors. */
   headline?: string;
   /** The same against a noisy measurement after smoothing. */
   smoothed?: Seen;

@@ -51,7 +51,7 @@ Result<ClosureSum> fit_and_report(const Subject& subject, const std::string& nam
     if (!isotropic)
         fmt::print(stderr, "srbf: {}: the material is isotropic, {} is not\n", name, printable(subject.path));
     const Evaluate fitted = evaluator(*sum);
-    const Appearance errors = compare_pictures(f, {&fitted, 1}, 0, {}, k_sphere_pixels, isotropic)[0];
+    const Appearance errors = compare_pictures(f, {&fitted, 1}, {.is_isotropic = isotropic})[0];
     fmt::print("{}: ΔE_ITP {:.3g} against {} (worst {:.3g})\n", name, errors.mean.delta_e, printable(subject.path),
                errors.worst_delta_e);
     return sum;

@@ -171,7 +171,7 @@ def _describe(materials, folder, table):
         rows = {row["material"]: row for row in csv.DictReader(file)}
     for material in materials:
         row, asset = rows[material.name], material.asset_data
-        material.name, asset.author, asset.license, asset.description = (row[of] for of in ("name", "author", "licence", "description"))
+        material.name, asset.author, asset.license, asset.description = (row[key] for key in ("name", "author", "licence", "description"))
         asset.catalog_id = str(uuid.uuid5(uuid.NAMESPACE_URL, row["catalogue"]))
         catalogues[asset.catalog_id] = row["catalogue"]
         for tag in row["tags"].split():

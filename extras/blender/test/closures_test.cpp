@@ -10,13 +10,13 @@
 namespace srbf::closures_test {
 namespace {
 
-/// The same closure at each of `knots` knots.
+/// Returns a sum that has the same closure at each of `knots` knots.
 ClosureSum constant(const Closure& closure, const Rgb& diffuse, std::size_t knots) {
     return {1, std::vector<Rgb>(knots, diffuse), std::vector<Closure>(knots, closure), 1};
 }
 
 double delta_e(const Evaluate& reference, const Evaluate& other) {
-    return compare_pictures(reference, {&other, 1}, 0, {}, k_sphere_pixels, true)[0].mean.delta_e;
+    return compare_pictures(reference, {&other, 1}, {.is_isotropic = true})[0].mean.delta_e;
 }
 
 /// Without a tilt and with one α the term is Beckmann's surface of facets.

@@ -117,10 +117,10 @@ Result<std::string> cal_text(const std::string& name, const Model& model) {
 std::string cal_call(const std::string& name, const Parts<Model>& parts, Part part, int c) {
     const Answering<Model> answer = answering(parts, part);
     if (!answer.brdf) return "0";
-    const Part own = parts[std::size_t(part)] ? part : counterpart(part);
+    const Part stored = parts[std::size_t(part)] ? part : counterpart(part);
     // wl = (−ix, iy, |iz|), wv = (−ox, oy, |oz|) in the frame of the part
     const std::string light = "0-ix,iy,if(iz,iz,0-iz)", viewer = "0-ox,oy,if(oz,oz,0-oz)";
-    return fmt::format("{}_{}_{}({},{})", name, k_part_names[std::size_t(own)], k_cal_channels[c],
+    return fmt::format("{}_{}_{}({},{})", name, k_part_names[std::size_t(stored)], k_cal_channels[c],
                        answer.exchanged ? viewer : light, answer.exchanged ? light : viewer);
 }
 

@@ -82,7 +82,7 @@ TEST(FitPatches, WhatNoLobesFollowHasAnAnswer) {
 
 /// The share of the light from θ [degrees] that a part scatters or lets go on.
 double total(const AnyBrdf& brdf, Part part, double theta) {
-    const Evaluate f = part_of(std::visit([](const auto& of) { return evaluator(of); }, brdf), part);
+    const Evaluate f = part_of(std::visit([](const auto& content) { return evaluator(content); }, brdf), part);
     const Vec3f wl = to_float(spherical(theta * k_degree, 0.1));
     double sum = double(share_at(beams_of(brdf), part, wl).g);
     for (const Vec3f& wv : fibonacci_directions(500, k_pi / 2)) {

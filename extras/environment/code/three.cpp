@@ -78,7 +78,7 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
     std::string functions, texels;  // they use the environment of three.js
     std::string classes;
     DefinedNames defined;
-    for (const char* own : {"MeasuredMaterial", "BlendMaterial"}) (void)defined.add(own, "the module");
+    for (const char* type : {"MeasuredMaterial", "BlendMaterial"}) (void)defined.add(type, "the module");
     for (const NamedModel& named : models) {
         if (const auto distinct = defined.add(capitalised(named.name) + "Material", named.name); !distinct)
             return distinct.error();
@@ -105,7 +105,7 @@ Result<std::string> three_webgpu_module(std::span<const NamedModel> models, std:
     replace_all(text, "LOBES", std::to_string(k_three_lobes));
     replace_all(text, "FUNCTIONS", in_template_literal(*code));
     DefinedNames defined;
-    for (const char* own : {"MeasuredMaterial", "MeshStandardNodeMaterial"}) (void)defined.add(own, "the module");
+    for (const char* type : {"MeasuredMaterial", "MeshStandardNodeMaterial"}) (void)defined.add(type, "the module");
     for (const NamedModel& named : models) {
         if (const auto distinct = defined.add(capitalised(named.name) + "Material", named.name); !distinct)
             return distinct.error();

@@ -82,7 +82,7 @@ void RE_IndirectSpecular_Measured(const in vec3 radiance, const in vec3 irradian
     ${sumOf(terms, 'environment', 'measured_wv')}
     reflectedLight.indirectDiffuse += reflected * material.diffuseColor;
 }
-// What three looks up for its own formulas.
+// Three looks these up for its own formulas.
 #undef STANDARD
 #define getIBLRadiance(viewer, normal, roughness) vec3(0.0)
 #undef RE_Direct
@@ -126,9 +126,9 @@ const after = (text, place, more) => text.replace(place, () => place + more);
 function addUv(shader, texture) {
     shader.uniforms.measured_transform = {
         get value() {
-            const of = texture();
-            if (of?.matrixAutoUpdate) of.updateMatrix();
-            return of?.matrix ?? new Matrix3();
+            const map = texture();
+            if (map?.matrixAutoUpdate) map.updateMatrix();
+            return map?.matrix ?? new Matrix3();
         },
     };
     shader.vertexShader = after(shader.vertexShader, '#include <uv_pars_vertex>', `
@@ -154,7 +154,7 @@ class MeasuredMaterial extends MeshStandardMaterial {
         this.saturation = source.saturation ?? 1;
         return this;
     }
-    // What three calls. A function that a page sets here runs after the material's own.
+    // Three calls this function. One that a page sets here runs after the material's own.
     get onBeforeCompile() {
         const { added } = this;
         return (shader, renderer) => {

@@ -5,16 +5,17 @@
 // The colour and saturation of each material count; all else is of the blend. Colours and saturations of the materials,
 // the shares and the texture may change without another compilation.
 export class BlendMaterial extends MeasuredMaterial {
-    constructor(...of) {
-        const { mask = null, vertexMask = false, shares, ...parameters } = of.at(-1)?.isMaterial ? {} : of.pop() ?? {};
-        if (of.length < 2 || of.length > 3 || !of.every((material) => material.reflectance && !material.texel))
+    constructor(...terms) {
+        const options = terms.at(-1)?.isMaterial ? {} : terms.pop() ?? {};
+        const { mask = null, vertexMask = false, shares, ...parameters } = options;
+        if (terms.length < 2 || terms.length > 3 || !terms.every((material) => material.reflectance && !material.texel))
             throw new Error('BlendMaterial: expected two or three materials of such modules');
-        if (of.some((a) => of.some((b) => a.reflectance === b.reflectance && a.functions !== b.functions)))
+        if (terms.some((a) => terms.some((b) => a.reflectance === b.reflectance && a.functions !== b.functions)))
             throw new Error('BlendMaterial: expected materials of different names, as modules define functions by them');
-        super('blend', parameters, { terms: of });
+        super('blend', parameters, { terms });
         this.mask = mask;
         this.vertexMask = vertexMask;
-        this.shares = shares ?? of.map(() => 1 / of.length);
+        this.shares = shares ?? terms.map(() => 1 / terms.length);
     }
     clone() {
         return new this.constructor(...this.terms, {}).copy(this);
@@ -27,9 +28,9 @@ export class BlendMaterial extends MeasuredMaterial {
         return this;
     }
     weights() {
-        const of = this.mask ? 'texture2D(measured_mask, measured_uv).rg' : 'measured_vertex_mask';
+        const weights = this.mask ? 'texture2D(measured_mask, measured_uv).rg' : 'measured_vertex_mask';
         return this.mask || this.vertexMask ? `
-            vec2 mask = clamp(${of}, 0.0, 1.0);
+            vec2 mask = clamp(${weights}, 0.0, 1.0);
             mask.g = ${this.terms.length > 2 ? 'min(mask.g, 1.0 - mask.r)' : '0.0'};
             measured_weights[0] = 1.0 - mask.r - mask.g;
             measured_weights[1] = mask.r;

@@ -47,9 +47,9 @@ std::vector<Statement> repetition(const Statement& loop, int index) {
     std::vector<Statement> body = loop.body;
     visit_statements(body, [&](Statement& statement) {
         if (statement.kind == SKind::declare) {
-            const std::string own = statement.name + (statement.name.ends_with('_') ? "" : "_") + std::to_string(index);
-            names[statement.name] = {EKind::name, own, {}, statement.type};
-            statement.name = own;
+            const std::string id = statement.name + (statement.name.ends_with('_') ? "" : "_") + std::to_string(index);
+            names[statement.name] = {EKind::name, id, {}, statement.type};
+            statement.name = id;
         }
     });
     visit_statements(body, [&](Statement& statement) {

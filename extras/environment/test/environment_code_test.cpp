@@ -13,7 +13,7 @@ namespace {
 
 class EnvironmentCodes : public WrittenCode {};
 
-/// By draws, of an environment whose radiance hardly changes over the solid angle of one.
+/// The draws are from an environment whose radiance hardly changes over the solid angle of one.
 TEST_F(EnvironmentCodes, DrawsAreOfTheEnvironment) {
     const Model model{rounded(GgxModel{{0.3f, 0.2f, 0.1f}, {{0.3f, {0.3f, 0.2f, 0.1f}, 1}}}), {}};
     const NamedModel named{"glossy", &model};
@@ -206,30 +206,30 @@ std::string lit_code(const TexelMap& map, CodeLanguage language) {
     const auto text = map_code(map, "map", {.language = language, .albedo = true, .with = {"environment", "area"}});
     return text ? *text : (ADD_FAILURE() << message(text.error()), "");
 }
-void expect_near_colour(const Rgb& found, const Rgb& expected, float relative, const std::string& of) {
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], relative * expected[c] + 1e-30f) << of;
+void expect_near_colour(const Rgb& found, const Rgb& expected, float relative, const std::string& about) {
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], relative * expected[c] + 1e-30f) << about;
 }
 
 /// The radiance of an even environment is reflected by the albedo, and that of a large quadrilateral near the surface; both
 /// of a mean of coefficients is the mean.
 TEST_F(EnvironmentCodes, LightOfMapsIsLinear) {
     const TexelMap map = map_of(5, 2);
-    void* const library =
-        compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "light",
-                 lit_code(map, CodeLanguage::c) +
-                     "static const float* at;\n"
-                     "static srbf_vec3 map_layer(int j, float u, float v) {\n"
-                     "    (void)u, (void)v;\n    return srbf_vec3_of(at[3 * j], at[3 * j + 1], at[3 * j + 2]);\n}\n"
-                     "static srbf_vec3 map_radiance(srbf_vec3 w, float roughness) {\n"
-                     "    (void)w, (void)roughness;\n    return srbf_vec3_of(1, 1, 1);\n}\n"
-                     "void answer(const float* coefficients, const float* w, float* to);\n"
-                     "void answer(const float* coefficients, const float* w, float* to) {\n"
-                     "    const float e = 50.0f;\n    map_Coefficients of;\n    srbf_vec3 f, wv = {w[0], w[1], w[2]};\n"
-                     "    at = coefficients, of = map_coefficients(0, 0);\n"
-                     "    f = map_albedo(wv.z, of), to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
-                     "    f = map_environment(wv, of), to[3] = f.x, to[4] = f.y, to[5] = f.z;\n"
-                     "    f = map_area(wv, srbf_vec3_of(-e, -e, 1), srbf_vec3_of(e, -e, 1), srbf_vec3_of(e, e, 1), "
-                     "srbf_vec3_of(-e, e, 1), of);\n    to[6] = f.x, to[7] = f.y, to[8] = f.z;\n}\n");
+    void* const library = compiled(
+        SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "light",
+        lit_code(map, CodeLanguage::c) +
+            "static const float* at;\n"
+            "static srbf_vec3 map_layer(int j, float u, float v) {\n"
+            "    (void)u, (void)v;\n    return srbf_vec3_of(at[3 * j], at[3 * j + 1], at[3 * j + 2]);\n}\n"
+            "static srbf_vec3 map_radiance(srbf_vec3 w, float roughness) {\n"
+            "    (void)w, (void)roughness;\n    return srbf_vec3_of(1, 1, 1);\n}\n"
+            "void answer(const float* coefficients, const float* w, float* to);\n"
+            "void answer(const float* coefficients, const float* w, float* to) {\n"
+            "    const float e = 50.0f;\n    map_Coefficients texel;\n    srbf_vec3 f, wv = {w[0], w[1], w[2]};\n"
+            "    at = coefficients, texel = map_coefficients(0, 0);\n"
+            "    f = map_albedo(wv.z, texel), to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
+            "    f = map_environment(wv, texel), to[3] = f.x, to[4] = f.y, to[5] = f.z;\n"
+            "    f = map_area(wv, srbf_vec3_of(-e, -e, 1), srbf_vec3_of(e, -e, 1), srbf_vec3_of(e, e, 1), "
+            "srbf_vec3_of(-e, e, 1), texel);\n    to[6] = f.x, to[7] = f.y, to[8] = f.z;\n}\n");
     ASSERT_TRUE(library);
     const auto answer = function<void(const Rgb*, const Vec3f*, Rgb*)>(library, "answer");
     const std::size_t J = map.coefficient.size() / 2;
@@ -238,15 +238,15 @@ TEST_F(EnvironmentCodes, LightOfMapsIsLinear) {
         for (int c = 0; c < 3; ++c) mean[j][c] = 0.5f * (map.coefficient[j][c] + map.coefficient[J + j][c]);
     for (const double z : {0.1, 0.4, 0.75, 0.99}) {
         const Vec3f wv = to_float(spherical(std::acos(z), 0.3));
-        std::array<std::array<Rgb, 3>, 3> of;
-        answer(map.coefficient.data(), &wv, of[0].data());
-        answer(&map.coefficient[J], &wv, of[1].data());
-        answer(mean.data(), &wv, of[2].data());
+        std::array<std::array<Rgb, 3>, 3> colours;
+        answer(map.coefficient.data(), &wv, colours[0].data());
+        answer(&map.coefficient[J], &wv, colours[1].data());
+        answer(mean.data(), &wv, colours[2].data());
         for (const std::size_t k : {0, 1, 2}) {
             Rgb half;
-            for (int c = 0; c < 3; ++c) half[c] = 0.5f * (of[0][k][c] + of[1][k][c]);
-            expect_near_colour(of[2][k], half, 1e-5f, "linear");
-            expect_near_colour(of[0][k], of[0][0], 0.05f, fmt::format("albedo {} {}", k, z));
+            for (int c = 0; c < 3; ++c) half[c] = 0.5f * (colours[0][k][c] + colours[1][k][c]);
+            expect_near_colour(colours[2][k], half, 1e-5f, "linear");
+            expect_near_colour(colours[0][k], colours[0][0], 0.05f, fmt::format("albedo {} {}", k, z));
         }
     }
 }
@@ -259,8 +259,8 @@ TEST_F(EnvironmentCodes, LightOfMapsCompiles) {
             "vec3 map_layer(int j, float u, float v) { return texture(layers, vec3(u, v, float(j))).rgb; }\n"
             "vec3 map_radiance(vec3 w, float roughness) { return w; }\n"
             "in vec3 a, b; in vec2 uv; out vec4 c;\n"
-            "void main() {\n    map_Coefficients of = map_coefficients(uv.x, uv.y);\n"
-            "    c = vec4(map_environment(a, of) + map_area(a, b, b.yzx, b.zxy, b.xzy, of), 1.0);\n}\n"));
+            "void main() {\n    map_Coefficients texel = map_coefficients(uv.x, uv.y);\n"
+            "    c = vec4(map_environment(a, texel) + map_area(a, b, b.yzx, b.zxy, b.xzy, texel), 1.0);\n}\n"));
 }
 
 std::size_t loops_of(const std::string& text) {
@@ -299,10 +299,10 @@ TEST_F(EnvironmentCodes, UnrolledLoopsComputeTheSame) {
     for (int i = 0; i < 50; ++i) {
         const Vec3f wv = to_float(random_direction(random, 0.05));
         const std::array<Vec3f, 4> corners = random_quadrilateral(random, 0.3).corners();
-        std::array<std::array<Rgb, 2>, 2> of;
-        for (const int k : {0, 1}) answers[std::size_t(k)](&wv, corners.data(), of[std::size_t(k)].data());
+        std::array<std::array<Rgb, 2>, 2> f;
+        for (const int k : {0, 1}) answers[std::size_t(k)](&wv, corners.data(), f[std::size_t(k)].data());
         for (const int k : {0, 1})
-            expect_near_colour(of[1][std::size_t(k)], of[0][std::size_t(k)], 2e-4f, fmt::format("{} {}", k, i));
+            expect_near_colour(f[1][std::size_t(k)], f[0][std::size_t(k)], 2e-4f, fmt::format("{} {}", k, i));
     }
 }
 

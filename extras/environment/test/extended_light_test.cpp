@@ -82,7 +82,7 @@ Rgb reflected_of_white(const PreparedBrdf& brdf, double cosine) {
     return {float(sum.x), float(sum.y), float(sum.z)};
 }
 
-// At every view, between nodes too, and never by more than 1, where a model itself reflects more.
+// The test takes every view, between nodes too. It allows at most 1 where a model itself reflects more.
 TEST(ExtendedLight, WhiteAllRoundIsReflectedByTheAlbedo) {
     const Model metal{GgxModel{{}, {{0.1f, {0.9f, 0.6f, 0.3f}, 1}}}, {}},
         bright{GgxModel{{0.95f, 0.9f, 0.1f}, {{0.4f, {0.2f, 0.2f, 0.2f}, 1}}}, {}};

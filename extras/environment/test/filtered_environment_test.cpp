@@ -40,9 +40,9 @@ TEST(FilteredEnvironment, IsTheMeanByTheKernel) {
     for (const float roughness : {0.36f, 0.5f, 0.64f, 1.f})
         for (const Vec3d& w : directions(40)) {
             double sum = 0, weight = 0;
-            for (const Vec3d& of : all) {
-                const double k = double(filter_kernel(roughness, float(dot(w, of))));
-                sum += k * double(environment.at(to_float(of)).radiance.g), weight += k;
+            for (const Vec3d& direction : all) {
+                const double k = double(filter_kernel(roughness, float(dot(w, direction))));
+                sum += k * double(environment.at(to_float(direction)).radiance.g), weight += k;
             }
             const double mean = sum / weight, brightest = 100 * (roughness < 0.6f ? 0.05 : 0.01);
             EXPECT_NEAR(double(filtered.at(to_float(w), roughness).g), mean, 0.02 * mean + 0.02 * brightest)

@@ -27,37 +27,37 @@ chromium.run("""(async () => {
         }`);
 })()""")
 for i in range(chromium.run("scenes.length")):
-    pixels = chromium.run("""((of) => {
+    pixels = chromium.run("""((given) => {
         const numbers = (text, type) => new type(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer);
         const renderer = new THREE.WebGLRenderer({ preserveDrawingBuffer: true }), scene = new THREE.Scene();
-        renderer.setSize(of.width, of.height);
+        renderer.setSize(given.width, given.height);
         renderer.toneMapping = THREE.CustomToneMapping;
-        renderer.toneMappingExposure = of.exposure;
+        renderer.toneMappingExposure = given.exposure;
         const geometry = new THREE.BufferGeometry();
-        geometry.setAttribute('position', new THREE.BufferAttribute(numbers(of.positions, Float32Array), 3));
-        geometry.setAttribute('normal', new THREE.BufferAttribute(numbers(of.normals, Float32Array), 3));
-        geometry.setIndex(new THREE.BufferAttribute(numbers(of.triangles, Uint32Array), 1));
-        const material = new materials[of.material]();
-        if (of.many) {  // as an instance
+        geometry.setAttribute('position', new THREE.BufferAttribute(numbers(given.positions, Float32Array), 3));
+        geometry.setAttribute('normal', new THREE.BufferAttribute(numbers(given.normals, Float32Array), 3));
+        geometry.setIndex(new THREE.BufferAttribute(numbers(given.triangles, Uint32Array), 1));
+        const material = new materials[given.material]();
+        if (given.many) {  // as an instance
             const mesh = new THREE.InstancedMesh(geometry, material, 1);
             mesh.setMatrixAt(0, new THREE.Matrix4());
             scene.add(mesh);
         } else {
             scene.add(new THREE.Mesh(geometry, material));
         }
-        for (const { towards, irradiance } of of.lights) {
+        for (const { towards, irradiance } of given.lights) {
             const light = new THREE.DirectionalLight(new THREE.Color(...irradiance));
             light.position.set(...towards);
             scene.add(light);
         }
-        const camera = new THREE.PerspectiveCamera(of.fov, of.width / of.height, 0.01, 1000);
-        camera.position.set(...of.eye);
-        camera.lookAt(...of.target);
+        const camera = new THREE.PerspectiveCamera(given.fov, given.width / given.height, 0.01, 1000);
+        camera.position.set(...given.eye);
+        camera.lookAt(...given.target);
         renderer.render(scene, camera);
-        const gl = renderer.getContext(), rows = new Uint8Array(4 * of.width * of.height);
-        gl.readPixels(0, 0, of.width, of.height, gl.RGBA, gl.UNSIGNED_BYTE, rows);
+        const gl = renderer.getContext(), rows = new Uint8Array(4 * given.width * given.height);
+        gl.readPixels(0, 0, given.width, given.height, gl.RGBA, gl.UNSIGNED_BYTE, rows);
         let text = "";
-        for (let y = of.height; y-- > 0;) text += String.fromCharCode(...rows.subarray(4 * of.width * y, 4 * of.width * (y + 1)));
+        for (let y = given.height; y-- > 0;) text += String.fromCharCode(...rows.subarray(4 * given.width * y, 4 * given.width * (y + 1)));
         renderer.dispose();
         return btoa(text);
     })(scenes[%d])""" % i)
@@ -101,9 +101,9 @@ alike = chromium.run("""(() => {
         return pixels;
     };
     const colour = new THREE.Color().setRGB(0.5, 0.25, 0.125);
-    const of = [() => new THREE.MeshLambertMaterial({ color: colour }), () => new materials.LambertMaterial()].map(picture);
-    const squares = of[0].reduce((sum, x, i) => sum + (x - of[1][i]) ** 2, 0);
-    return { psnr: 10 * Math.log10(255 * 255 * of[0].length / Math.max(squares, 1e-3)), colours: new Set(of[0]).size };
+    const pictures = [() => new THREE.MeshLambertMaterial({ color: colour }), () => new materials.LambertMaterial()].map(picture);
+    const squares = pictures[0].reduce((sum, x, i) => sum + (x - pictures[1][i]) ** 2, 0);
+    return { psnr: 10 * Math.log10(255 * 255 * pictures[0].length / Math.max(squares, 1e-3)), colours: new Set(pictures[0]).size };
 })()""")
 # Blends beside the materials that they mix: the largest difference of linear pictures, relative to the largest value; and how
 # many programs changes of numbers compile.
@@ -132,13 +132,13 @@ blend = chromium.run("""(() => {
         return pixels;
     };
     const apart = (a, b) => a.reduce((most, x, i) => Math.max(most, Math.abs(x - b[i])), 0) / b.reduce((most, x) => Math.max(most, x), 0);
-    const mixed = (weights, of) => of[0].map((_, i) => weights.reduce((sum, w, k) => sum + w * of[k][i], 0));
+    const mixed = (weights, pictures) => pictures[0].map((_, i) => weights.reduce((sum, w, k) => sum + w * pictures[k][i], 0));
     const [film, ggx, lambert] = ['Film', 'Ggx', 'Lambert'].map((name) => new materials[name + 'Material']());
     const single = [film, ggx, lambert].map(picture), found = {};
     // A function of the page's own, which halves the light and calls the material's as other pages do.
-    const halved = new materials.FilmMaterial(), own = halved.onBeforeCompile;
+    const halved = new materials.FilmMaterial(), patched = halved.onBeforeCompile;
     halved.onBeforeCompile = (shader, renderer) => {
-        own(shader, renderer);
+        patched(shader, renderer);
         shader.fragmentShader = shader.fragmentShader.replace('#include <opaque_fragment>', 'outgoingLight *= 0.5;\n$&');
     };
     found.own_function = apart(picture(halved), single[0].map((x, i) => i % 4 < 3 ? 0.5 * x : x));

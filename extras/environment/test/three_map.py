@@ -14,27 +14,27 @@ chromium = Site(folder).chromium
 chromium.run("""(async () => {
     window.THREE = await import('three');
     window.scenes = await (await fetch('scenes.json')).json();
-    window.draw = async (of) => {
-        const module = await import(`./${of.module}.js`), scene = new THREE.Scene();
-        const material = new module[of.class](), renderer = new THREE.WebGLRenderer();
-        if (of.is_map) {
+    window.draw = async (given) => {
+        const module = await import(`./${given.module}.js`), scene = new THREE.Scene();
+        const material = new module[given.class](), renderer = new THREE.WebGLRenderer();
+        if (given.is_map) {
             const texture = material.coefficients = await module.loadCoefficients();
-            if (of.repeat) {
+            if (given.repeat) {
                 texture.wrapS = texture.wrapT = THREE.RepeatWrapping;
-                texture.repeat.set(...of.repeat), texture.offset.set(...of.offset), texture.rotation = of.rotation;
+                texture.repeat.set(...given.repeat), texture.offset.set(...given.offset), texture.rotation = given.rotation;
             }
         }
         // A clone as it is loaded from a scene.
-        scene.add(new THREE.Mesh(new THREE.PlaneGeometry(2, 2), of.is_map ? material.clone() : material));
+        scene.add(new THREE.Mesh(new THREE.PlaneGeometry(2, 2), given.is_map ? material.clone() : material));
         const light = new THREE.DirectionalLight('white', 2);
-        light.position.set(...of.towards);
+        light.position.set(...given.towards);
         scene.add(light);
-        if (of.more_lights) {
+        if (given.more_lights) {
             const lamp = new THREE.PointLight('orange', 5);
             lamp.position.set(0.5, 0.5, 1);
             scene.add(lamp, new THREE.HemisphereLight('white', 'green', 0.7), new THREE.AmbientLight('white', 0.2));
         }
-        if (of.environment) {
+        if (given.environment) {
             const sky = new Float32Array(4 * 64 * 32);
             for (let y = 0; y < 32; ++y)
                 for (let x = 0; x < 64; ++x) sky.set([y / 32, 0.5, 1 - x / 64, 1].map((c) => c + 9 * (Math.hypot(x - 48, y - 24) < 4)), 4 * (64 * y + x));
@@ -45,17 +45,17 @@ chromium.run("""(async () => {
             box.position.set(-1, 1, 1), box.lookAt(0, 0, 0);
             scene.add(box);
         }
-        const camera = of.fov ? new THREE.PerspectiveCamera(of.fov, 1, 0.01, 100) : new THREE.OrthographicCamera(-1, 1, 1, -1, 0.01, 100);
-        camera.position.set(...of.eye);
+        const camera = given.fov ? new THREE.PerspectiveCamera(given.fov, 1, 0.01, 100) : new THREE.OrthographicCamera(-1, 1, 1, -1, 0.01, 100);
+        camera.position.set(...given.eye);
         camera.lookAt(0, 0, 0);
-        const target = new THREE.WebGLRenderTarget(of.size, of.size, { type: THREE.FloatType, colorSpace: THREE.LinearSRGBColorSpace });
+        const target = new THREE.WebGLRenderTarget(given.size, given.size, { type: THREE.FloatType, colorSpace: THREE.LinearSRGBColorSpace });
         renderer.setRenderTarget(target);
         renderer.render(scene, camera);
-        const pixels = new Float32Array(4 * of.size * of.size);
-        renderer.readRenderTargetPixels(target, 0, 0, of.size, of.size, pixels);
-        const rows = new Uint8Array(pixels.buffer), width = 16 * of.size;
+        const pixels = new Float32Array(4 * given.size * given.size);
+        renderer.readRenderTargetPixels(target, 0, 0, given.size, given.size, pixels);
+        const rows = new Uint8Array(pixels.buffer), width = 16 * given.size;
         let text = '';
-        for (let y = of.size; y-- > 0;) text += String.fromCharCode(...rows.subarray(width * y, width * (y + 1)));
+        for (let y = given.size; y-- > 0;) text += String.fromCharCode(...rows.subarray(width * y, width * (y + 1)));
         renderer.dispose();
         return btoa(text);
     };
@@ -73,10 +73,10 @@ checks = chromium.run("""(async () => {
     scene.add(new THREE.Mesh(new THREE.PlaneGeometry(), new AloneMaterial({ color: 'orange', saturation: 0.5 })), lamp);
     scene.updateMatrixWorld();
     const renderer = new THREE.WebGLRenderer(), target = new THREE.WebGLRenderTarget(8, 8, { type: THREE.FloatType });
-    const [saved, loaded] = [scene, new THREE.ObjectLoader().parse(JSON.parse(JSON.stringify(scene.toJSON())))].map((of) => {
+    const [saved, loaded] = [scene, new THREE.ObjectLoader().parse(JSON.parse(JSON.stringify(scene.toJSON())))].map((shown) => {
         const pixels = new Float32Array(256);
         renderer.setRenderTarget(target);
-        renderer.render(of, camera);
+        renderer.render(shown, camera);
         renderer.readRenderTargetPixels(target, 0, 0, 8, 8, pixels);
         return pixels;
     });

@@ -10,7 +10,7 @@ from chromium import WEBGL, Chromium, program
 
 
 class Handler(http.server.SimpleHTTPRequestHandler):
-    def log_message(self, *of):
+    def log_message(self, *arguments):
         pass
 
 

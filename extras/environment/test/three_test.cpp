@@ -32,23 +32,23 @@ namespace fs = std::filesystem;
 
 constexpr int k_width = 320, k_height = 240;
 
-/// What three.js is given of a scene.
+/// Returns a scene as three.js reads it.
 Json json_of(const Scene& scene, const std::string& material, float exposure, bool as_instance) {
-    Json of{{"width", k_width},
-            {"height", k_height},
-            {"material", material},
-            {"exposure", exposure},
-            {"many", as_instance},
-            {"fov", scene.camera.fov / k_degree},
-            {"eye", {scene.camera.eye.x, scene.camera.eye.y, scene.camera.eye.z}},
-            {"target", {scene.camera.target.x, scene.camera.target.y, scene.camera.target.z}}};
+    Json json{{"width", k_width},
+              {"height", k_height},
+              {"material", material},
+              {"exposure", exposure},
+              {"many", as_instance},
+              {"fov", scene.camera.fov / k_degree},
+              {"eye", {scene.camera.eye.x, scene.camera.eye.y, scene.camera.eye.z}},
+              {"target", {scene.camera.target.x, scene.camera.target.y, scene.camera.target.z}}};
     for (const DirectionalLight& light : scene.lights)
-        of["lights"].push_back({{"towards", {light.towards.x, light.towards.y, light.towards.z}},
-                                {"irradiance", {light.irradiance.r, light.irradiance.g, light.irradiance.b}}});
-    of["positions"] = base64(std::as_bytes(std::span(scene.mesh.positions)));
-    of["normals"] = base64(std::as_bytes(std::span(scene.mesh.normals)));
-    of["triangles"] = base64(std::as_bytes(std::span(scene.mesh.triangles)));
-    return of;
+        json["lights"].push_back({{"towards", {light.towards.x, light.towards.y, light.towards.z}},
+                                  {"irradiance", {light.irradiance.r, light.irradiance.g, light.irradiance.b}}});
+    json["positions"] = base64(std::as_bytes(std::span(scene.mesh.positions)));
+    json["normals"] = base64(std::as_bytes(std::span(scene.mesh.normals)));
+    json["triangles"] = base64(std::as_bytes(std::span(scene.mesh.triangles)));
+    return json;
 }
 
 /// PSNR [dB] over the pixels that the mesh covers.
@@ -62,7 +62,7 @@ double psnr(const std::string& rgba, const Image8& picture, const std::vector<fl
     return count > 0 ? 10 * std::log10(255 * 255 * count / std::max(squares, 1e-3)) : 0;
 }
 
-/// What the script says, after it has run on the folder.
+/// A script has this status and output after it has run on the folder.
 struct Said {
     int status;
     std::string text;
@@ -104,11 +104,11 @@ void add_rasterized(Expected& to, const std::vector<Model>& models, Dialect dial
         const RasterView view{scene.camera, double(k_width) / k_height, scene.lights, exposure};
         const RasterMesh mesh(scene.mesh);
         const Material content = std::visit(
-            [](const auto& of) {
-                if constexpr (std::is_same_v<decltype(of), const BsdfModel&>)
+            [](const auto& brdf) {
+                if constexpr (std::is_same_v<decltype(brdf), const BsdfModel&>)
                     return Material();
                 else
-                    return Material(of);
+                    return Material(brdf);
             },
             models[i].model);
         const auto material = RasterMaterial::make(content, {.dialect = dialect});
@@ -221,31 +221,32 @@ std::vector<Float4> floats(const std::string& bytes) {
 struct Differences {
     double most, largest, delta_e;
 };
-Differences differences(const std::vector<Float4>& pixels, const MapScene& of, const FilteredMap& map, double lod) {
+Differences differences(const std::vector<Float4>& pixels, const MapScene& scene, const FilteredMap& map, double lod) {
     Differences found{};
     std::vector<std::array<Rgb, 2>> colours;
     Camera camera;
     camera.eye = k_eye, camera.fov = k_fov;
-    const bool is_perspective = of.json.contains("fov");
-    for (int y = 0; y < of.size; ++y)
-        for (int x = 0; x < of.size; ++x) {
-            const double s = (2 * x + 1.0) / of.size - 1, t = 1 - (2 * y + 1.0) / of.size;
+    const bool is_perspective = scene.json.contains("fov");
+    for (int y = 0; y < scene.size; ++y)
+        for (int x = 0; x < scene.size; ++x) {
+            const double s = (2 * x + 1.0) / scene.size - 1, t = 1 - (2 * y + 1.0) / scene.size;
             Vec3d p{s, t, 0}, to_viewer{0, 0, 1};
             if (is_perspective) {
                 to_viewer = -1.0 * direction_through(camera, 1, s, t);
                 p = camera.eye - camera.eye.z / to_viewer.z * to_viewer;
             }
             if (std::max(std::abs(p.x), std::abs(p.y)) > 0.98) continue;
-            // As three's Matrix3.setUvTransform.
-            const double c = std::cos(of.rotation), sine = std::sin(of.rotation), u = (p.x + 1) / 2, v = (p.y + 1) / 2;
+            // These formulas are those of three's Matrix3.setUvTransform.
+            const double c = std::cos(scene.rotation), sine = std::sin(scene.rotation), u = (p.x + 1) / 2,
+                         v = (p.y + 1) / 2;
             const Model model =
-                map.at(of.repeat[0] * (c * u + sine * v) + of.offset[0],
-                       of.repeat[1] * (c * v - sine * u) + of.offset[1], lod, of.json.contains("repeat"));
+                map.at(scene.repeat[0] * (c * u + sine * v) + scene.offset[0],
+                       scene.repeat[1] * (c * v - sine * u) + scene.offset[1], lod, scene.json.contains("repeat"));
             const Rgb f = value(model, to_float(k_towards), to_float(to_viewer));
             colours.emplace_back();
             for (int channel = 0; channel < 3; ++channel) {
                 const double expected = k_irradiance * k_towards.z * double(f[channel]);
-                const double drawn = double(pixels[std::size_t(y * of.size + x)][std::size_t(channel)]);
+                const double drawn = double(pixels[std::size_t(y * scene.size + x)][std::size_t(channel)]);
                 colours.back()[0][channel] = float(expected), colours.back()[1][channel] = float(drawn);
                 found.largest = std::max(found.largest, expected);
                 found.most = std::max(found.most, std::abs(drawn - expected));
@@ -306,16 +307,17 @@ std::vector<MapScene> map_scenes() {
 }
 
 /// The picture of a scene is that of the filtered map.
-void expect_filtered(const std::vector<Float4>& pixels, const MapScene& of, const FilteredMap& filtered) {
-    ASSERT_EQ(pixels.size(), std::size_t(of.size * of.size));
+void expect_filtered(const std::vector<Float4>& pixels, const MapScene& scene, const FilteredMap& filtered) {
+    ASSERT_EQ(pixels.size(), std::size_t(scene.size * scene.size));
     // Between two levels renderers take the logarithm only approximately: Mesa 1.389 instead of 1.415.
-    Differences found = differences(pixels, of, filtered, of.lod);
-    for (double apart = -0.04; apart < 0.04 && of.lod != std::floor(of.lod); apart += 0.004)
-        if (const Differences at = differences(pixels, of, filtered, of.lod + apart); at.most < found.most) found = at;
+    Differences found = differences(pixels, scene, filtered, scene.lod);
+    for (double apart = -0.04; apart < 0.04 && scene.lod != std::floor(scene.lod); apart += 0.004)
+        if (const Differences at = differences(pixels, scene, filtered, scene.lod + apart); at.most < found.most)
+            found = at;
     EXPECT_GT(found.largest, 0.01);
     EXPECT_LT(found.delta_e, 1);
     // Textures' filters keep 8 bits of their weights; bytes are rounded by half a step.
-    EXPECT_LT(found.most, found.largest * (of.json["module"] == "bytes" ? 1 / 128. : 1 / 256.));
+    EXPECT_LT(found.most, found.largest * (scene.json["module"] == "bytes" ? 1 / 128. : 1 / 256.));
 }
 
 /// The modules and the textures of the maps.
@@ -327,11 +329,11 @@ void write_maps(const TemporaryFolder& folder, const TexelMap& map, const TexelM
         std::string text = module_of_fine;
         write(folder / (name + ".js"), text.replace(text.find("fine.ktx2"), 4, name));
     }
-    for (const auto& [name, of, numbers] : {std::tuple("map", &map, LayerNumbers::halves),
-                                            {"fine", &fine, LayerNumbers::halves},
-                                            {"bytes", &fine, LayerNumbers::bytes},
-                                            {"constant", &constant, LayerNumbers::halves}})
-        ASSERT_TRUE(write_file((folder / fmt::format("{}.ktx2", name)).string(), map_ktx2(*of, numbers)));
+    for (const auto& [name, texels, numbers] : {std::tuple("map", &map, LayerNumbers::halves),
+                                                {"fine", &fine, LayerNumbers::halves},
+                                                {"bytes", &fine, LayerNumbers::bytes},
+                                                {"constant", &constant, LayerNumbers::halves}})
+        ASSERT_TRUE(write_file((folder / fmt::format("{}.ktx2", name)).string(), map_ktx2(*texels, numbers)));
 }
 
 TEST(Three, ShowsAMapAsItsTexels) {
@@ -351,7 +353,7 @@ TEST(Three, ShowsAMapAsItsTexels) {
     ASSERT_NO_FATAL_FAILURE(write_maps(folder, map, fine, constant));
     const std::vector<MapScene> scenes = map_scenes();
     Json all;
-    for (const MapScene& of : scenes) all.push_back(of.json);
+    for (const MapScene& scene : scenes) all.push_back(scene.json);
     write(folder / "scenes.json", all.dump());
     const Said said = run_script("three_map.py", folder);
     if (said.status == 77) GTEST_SKIP() << said.text;
@@ -365,8 +367,8 @@ TEST(Three, ShowsAMapAsItsTexels) {
     const auto drawn = [&](std::size_t i) { return floats(contents(folder / fmt::format("{}.rgba", i))); };
     for (std::size_t i = 0; i < k_first_constant; ++i) {
         SCOPED_TRACE(i);
-        const std::string of = scenes[i].json["module"];
-        expect_filtered(drawn(i), scenes[i], FilteredMap(of == "map" ? map : fine));
+        const std::string module_name = scenes[i].json["module"];
+        expect_filtered(drawn(i), scenes[i], FilteredMap(module_name == "map" ? map : fine));
     }
     for (std::size_t i = k_first_constant; i < scenes.size(); i += 2) {
         const auto of_map = drawn(i), single = drawn(i + 1);

@@ -21,8 +21,8 @@ constexpr double k_brightest = 0.02, k_most_of_others = 1000;
 void leave_out_outliers(const SharedPairs& pairs, std::span<Rgb> f) {
     const std::size_t M = pairs.wl.size();
     const auto value = [&](std::size_t i) {
-        const double of = largest_of(f[i]) * cosines(pairs.wl[i % M], pairs.wv[i % M]);
-        return is_finite(f[i]) ? of : 0;
+        const double product = largest_of(f[i]) * cosines(pairs.wl[i % M], pairs.wv[i % M]);
+        return is_finite(f[i]) ? product : 0;
     };
     std::vector<double> largest(f.size() / M);
     for (std::size_t i = 0; i < f.size(); ++i) largest[i / M] = std::max(largest[i / M], value(i));

@@ -162,8 +162,8 @@ TEST(FitMap, MatteTexelsHaveNoHighlights) {
     for (int t = 0; t < 4; ++t) {
         colours.push_back({drawn(0.02, 0.2), drawn(0.02, 0.2), drawn(0.02, 0.2)});
         for (std::size_t i = 0; i < wl.size(); ++i) {
-            Rgb& of = f.emplace_back();
-            for (int c = 0; c < 3; ++c) of[c] = colours.back()[c] * drawn(0.965, 1.035);
+            Rgb& colour = f.emplace_back();
+            for (int c = 0; c < 3; ++c) colour[c] = colours.back()[c] * drawn(0.965, 1.035);
         }
     }
     const SharedPairs pairs{wl, wv, true};
@@ -173,8 +173,8 @@ TEST(FitMap, MatteTexelsHaveNoHighlights) {
     ASSERT_TRUE(map) << message(map.error());
     const TexelCoefficients found = coefficients_of_texels(*map, pairs, f, 1);
     map->coefficient = found.coefficient, map->error = found.error;
-    for (const Rgb& of : found.coefficient)
-        for (int c = 0; c < 3; ++c) EXPECT_EQ(of[c], round_to_half(of[c]));
+    for (const Rgb& colour : found.coefficient)
+        for (int c = 0; c < 3; ++c) EXPECT_EQ(colour[c], round_to_half(colour[c]));
     std::vector<Vec3f> l, v;
     for (double theta = 0; theta < 78; theta += 2)
         for (const double phi : {0.0, 0.3, 1.0, 2.0, 3.0, k_pi})
@@ -195,9 +195,9 @@ TEST(FitMap, TexelsTooBrightForTheScaleHaveTheirErrors) {
     const auto [wl, wv] = some_pairs(128);
     std::vector<Rgb> f(wl.size());
     evaluate(texel(map, 0), wl, wv, f);
-    for (Rgb& of : f) of = {of.r, of.g, 1e6f * of.b};
+    for (Rgb& colour : f) colour = {colour.r, colour.g, 1e6f * colour.b};
     const TexelCoefficients found = coefficients_of_texels(map, {wl, wv, true}, f, 1);
-    for (const Rgb& of : found.coefficient) EXPECT_LE(std::max({of.r, of.g, of.b}), k_half_max);
+    for (const Rgb& colour : found.coefficient) EXPECT_LE(std::max({colour.r, colour.g, colour.b}), k_half_max);
     EXPECT_GT(found.error[0], 0.3f);
 }
 

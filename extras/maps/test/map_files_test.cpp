@@ -101,11 +101,11 @@ TEST_F(MapFiles, masks_paint_materials) {
     EXPECT_NE(done.out.find("4 × 1 texels of 2 materials"), done.out.npos) << done.out;
     const auto made = read_map(as_bytes(contents(folder / "m.srbf")), "m");
     ASSERT_TRUE(made) << message(made.error());
-    const auto of = [&](std::size_t t, std::size_t j) { return made->coefficient[t * 3 + j]; };
+    const auto beta = [&](std::size_t t, std::size_t j) { return made->coefficient[t * 3 + j]; };
     for (std::size_t j = 0; j < 3; ++j)
         for (int c = 0; c < 3; ++c) {
-            EXPECT_NEAR(of(2, j)[c], (of(0, j)[c] + of(1, j)[c]) / 2, 1e-3f * of(2, j)[c]);
-            EXPECT_EQ(of(3, j)[c], 0);
+            EXPECT_NEAR(beta(2, j)[c], (beta(0, j)[c] + beta(1, j)[c]) / 2, 1e-3f * beta(2, j)[c]);
+            EXPECT_EQ(beta(3, j)[c], 0);
         }
     EXPECT_EQ(map({paper, "--masks", "m.npy"}).status, 1);
     EXPECT_EQ(map({paper, "p.csv", "--masks", "m.npy"}).status, 1);

@@ -69,7 +69,7 @@ TEST_F(BadTexels, OneHotPixelHasLittleWeightAndATexelTooBrightFails) {
     std::vector<Rgb> f = good;
     f[6] = {1e9f, 1e9f, 1e9f};
     expect_good(fit(f), 0, 0.01f);
-    for (Rgb& of : f = good) of = {of.r, of.g, 1e8f * of.b};
+    for (Rgb& colour : f = good) colour = {colour.r, colour.g, 1e8f * colour.b};
     expect_dark(fit(f), TexelState::failed, 1);
 }
 

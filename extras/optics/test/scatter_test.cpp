@@ -29,7 +29,7 @@ Evaluate lobe_brdf() {
         for (std::size_t i = 0; i < f.size(); ++i) f[i].r = f[i].g = f[i].b = float(lobe(wl[i], wv[i]));
     };
 }
-/// The same lobe, modulated so that it is anisotropic.
+/// Returns the same lobe, modulated so that it is anisotropic.
 Evaluate anisotropic_brdf() {
     return [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
         for (std::size_t i = 0; i < f.size(); ++i)

@@ -26,7 +26,7 @@ std::string kind_of(const Subject& subject) {
 double common_theta(const std::vector<Subject>& models) {
     double least = 90;
     for (const Subject& model : models)
-        if (const double own = fitted_theta(model); own > 0) least = std::min(least, own);
+        if (const double fitted = fitted_theta(model); fitted > 0) least = std::min(least, fitted);
     return least < 90 ? least : 80;
 }
 
@@ -88,9 +88,9 @@ void add_errors(Page& page, const Subject& reference, const std::vector<Subject>
             return fmt::format("{:.2g} (worst {:.2g}): {}", errors[k].appearance.mean.delta_e,
                                errors[k].appearance.worst_delta_e, words(verdict(errors[k].appearance.mean)));
         });
-    if (const auto repeats = repeatability(reference.content))
+    if (const auto exchanged = reciprocity_errors(reference.content))
         page.table.back().cells[0] =
-            fmt::format("{:.2g} (worst {:.2g})", repeats->mean.delta_e, repeats->worst_delta_e);
+            fmt::format("{:.2g} (worst {:.2g})", exchanged->mean.delta_e, exchanged->worst_delta_e);
     add_row("image error", "what reaches an image: squared error ratio of f cosθl, each view by its cosine",
             [&](std::size_t k) { return percent(errors[k].heldout.squared_error_ratio_cosine); });
     add_row("dark-part error", "nearer to the eye, which sees the dark parts too: the same ratio of the cube root of f",

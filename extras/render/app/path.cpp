@@ -97,7 +97,7 @@ Result<std::optional<Environment>> load_light(const std::string& name) {
 }
 
 PreparedBsdf prepare_subject(const Subject& subject, int threads) {
-    const ProposeOptions options{.azimuths = azimuths_of(subject), .threads = threads};
+    const ProposeOptions options{.azimuths = azimuths_for(is_isotropic(subject)), .threads = threads};
     return std::visit([&](const auto& content) { return prepare_bsdf(content, options); }, subject.content);
 }
 
@@ -190,9 +190,9 @@ Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::sp
         if (const auto* subject = std::get_if<const Subject*>(&pictured)) {
             paths.materials = {draw == "cosine" ? prepare_by_cosine(**subject) : prepare_subject(**subject, threads)};
         } else if (const auto* masked = std::get_if<const MaskedSubjects*>(&pictured)) {
-            MaskedMaterials materials{{}, (*masked)->mask};
-            for (const Subject* of : (*masked)->of) materials.of.push_back(prepare_subject(*of, threads));
-            paths.materials = {std::move(materials)};
+            MaskedMaterials mixed{{}, (*masked)->mask};
+            for (const Subject* each : (*masked)->subjects) mixed.materials.push_back(prepare_subject(*each, threads));
+            paths.materials = {std::move(mixed)};
         } else {
             paths.materials = {prepare_subject(*std::get<const TexelMap*>(pictured), threads)};
         }

@@ -10,7 +10,7 @@ namespace SRBF_NAMESPACE {
 
 /// Materials that a mask mixes, see `MaskedMaterials`.
 struct MaskedSubjects {
-    std::vector<const Subject*> of;
+    std::vector<const Subject*> subjects;
     Image mask;
 };
 /// The subject of a picture: a measurement or model, a map of texels, or a mask's materials.

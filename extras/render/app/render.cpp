@@ -166,10 +166,10 @@ Result<MaskedSubjects> masked_by(const std::string& mask, std::span<const Pictur
     for (const Pictured& material : materials) {
         const auto* subject = std::get_if<const Subject*>(&material);
         if (!subject) return Error{mask, {}, "materials", "measurements and models", "a map", ErrorCode::argument};
-        masked.of.push_back(*subject);
+        masked.subjects.push_back(*subject);
     }
-    if (masked.of.size() < 2 || masked.of.size() > 3)
-        return Error{mask, {}, "materials", "two or three", std::to_string(masked.of.size()), ErrorCode::argument};
+    if (const std::size_t count = masked.subjects.size(); count < 2 || count > 3)
+        return Error{mask, {}, "materials", "two or three", std::to_string(count), ErrorCode::argument};
     auto image = load_mask(mask);
     if (!image) return image.error();
     masked.mask = *std::move(image);

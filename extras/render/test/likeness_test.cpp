@@ -46,18 +46,18 @@ TEST(Likeness, IsSymmetricAndWithinItsRange) {
 TEST(Likeness, FallsWithNoise) {
     double psnr = 1e9, ssim = 2, flip = -1;
     for (const int by : {2, 10, 40, 100}) {
-        const Likeness of = likeness(pattern(), noisy(pattern(), by));
-        EXPECT_LT(of.psnr, psnr);
-        EXPECT_LT(of.ssim, ssim);
-        EXPECT_GT(of.flip, flip);
-        psnr = of.psnr, ssim = of.ssim, flip = of.flip;
+        const Likeness found = likeness(pattern(), noisy(pattern(), by));
+        EXPECT_LT(found.psnr, psnr);
+        EXPECT_LT(found.ssim, ssim);
+        EXPECT_GT(found.flip, flip);
+        psnr = found.psnr, ssim = found.ssim, flip = found.flip;
     }
 }
 
 TEST(Likeness, PsnrAndSsimOfPlainPictures) {
-    const Likeness of = likeness(plain({51, 51, 51}), plain({102, 102, 102}));
-    EXPECT_TRUE(near(of.psnr, -20 * std::log10(0.2), 1e-9));
-    EXPECT_TRUE(near(of.ssim, (2 * 0.2 * 0.4 + 1e-4) / (0.04 + 0.16 + 1e-4), 1e-9));
+    const Likeness found = likeness(plain({51, 51, 51}), plain({102, 102, 102}));
+    EXPECT_TRUE(near(found.psnr, -20 * std::log10(0.2), 1e-9));
+    EXPECT_TRUE(near(found.ssim, (2 * 0.2 * 0.4 + 1e-4) / (0.04 + 0.16 + 1e-4), 1e-9));
     // One channel of three in one pixel.
     Image8 other = plain({51, 51, 51});
     other.at(3, 4)[1] = 102;

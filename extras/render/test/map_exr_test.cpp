@@ -21,8 +21,8 @@ TEST_F(CommandLine, maps_are_written_as_open_exr) {
     ASSERT_EQ(made.status, 0) << made.err;
     Imf::InputFile file((folder / "map.exr").c_str(), 1);
     std::size_t channels = 0;
-    for (auto of = file.header().channels().begin(); of != file.header().channels().end(); ++of, ++channels)
-        EXPECT_EQ(of.channel().type, Imf::HALF);
+    for (auto layer = file.header().channels().begin(); layer != file.header().channels().end(); ++layer, ++channels)
+        EXPECT_EQ(layer.channel().type, Imf::HALF);
     EXPECT_EQ(channels, 15u);
     std::vector<std::uint16_t> halves(map.count());
     for (std::size_t j = 0; j < 5; ++j)

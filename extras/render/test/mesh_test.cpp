@@ -25,7 +25,7 @@ bool is_closed(const Mesh& mesh) {
     return true;
 }
 
-/// Of a closed surface whose triangles run counter-clockwise; negative where they run the other way.
+/// Returns the volume of a closed surface whose triangles run counter-clockwise; negative where they run the other way.
 double volume(const Mesh& mesh) {
     double six = 0;
     for (const Triangle& t : mesh.triangles)

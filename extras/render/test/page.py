@@ -23,11 +23,11 @@ LABELS = """(() => {
     const seen = [], wrong = [];
     const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
     while (texts.nextNode()) {
-        const text = texts.currentNode.data.trim(), of = texts.currentNode.parentElement;
-        if (!text || of.closest("script, pre, option") || !of.checkVisibility()) continue;
+        const text = texts.currentNode.data.trim(), element = texts.currentNode.parentElement;
+        if (!text || element.closest("script, pre, option") || !element.checkVisibility()) continue;
         const range = document.createRange();
         range.selectNodeContents(texts.currentNode);
-        const drawing = of.closest("svg"), scrolled = of.closest(".wide"), within = (drawing ?? document.documentElement).getBoundingClientRect();
+        const drawing = element.closest("svg"), scrolled = element.closest(".wide"), within = (drawing ?? document.documentElement).getBoundingClientRect();
         for (const box of range.getClientRects()) {
             const left = box.left, top = box.top, bottom = box.bottom, right = Math.min(box.right, scrolled?.getBoundingClientRect().right ?? Infinity);
             if (right - left < 1 || bottom - top < 1) continue;
@@ -50,7 +50,7 @@ class Visit:
     def take(self, step):
         """Keeps the pixels of every picture that is shown, as RGBA, and the scene that the page says it drew."""
         self.chromium.run("viewer.settled()")
-        for of in self.chromium.run("""[...document.querySelectorAll("figure:not([hidden]):not([data-material=difference])")].map((figure) => {
+        for picture in self.chromium.run("""[...document.querySelectorAll("figure:not([hidden]):not([data-material=difference])")].map((figure) => {
                 const canvas = figure.querySelector("canvas"), { width, height } = canvas;
                 const copy = Object.assign(document.createElement("canvas"), { width, height })
                     .getContext("2d", { willReadFrequently: true });
@@ -62,8 +62,8 @@ class Visit:
             })"""):
             name = f"{len(self.pictures)}.rgba"
             with open(os.path.join(folder, name), "wb") as file:
-                file.write(base64.b64decode(of.pop("pixels")))
-            self.pictures.append({"step": step, "file": name, **of})
+                file.write(base64.b64decode(picture.pop("pixels")))
+            self.pictures.append({"step": step, "file": name, **picture})
 
 
 def with_webgl():
@@ -160,7 +160,7 @@ def give(chromium, name, content, size=0):
 
 
 def read_environment(chromium):
-    """What the page says while it reads a file and draws under another environment, and once it has pictures under the file's."""
+    """Returns what the page says while it reads an environment, and once it has pictures under it."""
     chromium.run("""(() => {
         const { arrayBuffer } = Blob.prototype;
         Blob.prototype.arrayBuffer = async function () {
@@ -179,11 +179,11 @@ def read_environment(chromium):
 
 
 def refused_environments(chromium):
-    """What the page says to files that are no environments, and to a lost context."""
+    """Returns what the page says to files that are no environments, and to a lost context."""
     said = {}
 
     def says(new):
-        """What the page says, once that is new."""
+        """Returns what the page says, once that is new."""
         end = time.time() + LIMIT
         while not new(text := chromium.run("document.getElementById('said').innerText")) and time.time() < end:
             chromium.settle()

@@ -76,10 +76,10 @@ std::size_t count(const std::string& text, std::string_view what) {
 TEST(Page, HoldsItsShadersAndNothingFromOutside) {
     const Page page = all_kinds();
     const std::string html = page_html(page);
-    for (const PageMaterial& of : page.materials)
-        EXPECT_NE(
-            html.find(">" + html_escaped(shader_text(*of.material, {.dialect = Dialect::es_300}).fragment) + "</pre>"),
-            html.npos);
+    for (const PageMaterial& shown : page.materials)
+        EXPECT_NE(html.find(">" + html_escaped(shader_text(*shown.material, {.dialect = Dialect::es_300}).fragment) +
+                            "</pre>"),
+                  html.npos);
     for (const char* outside : {"http:", "https:", "src=", "href=", "url(", "import ", "fetch(", "XMLHttp"})
         EXPECT_EQ(html.find(outside), html.npos) << outside;
     EXPECT_EQ(html.find("<every>"), html.npos);
@@ -90,7 +90,7 @@ TEST(Page, HoldsItsShadersAndNothingFromOutside) {
     EXPECT_EQ(count(html, "</script>"), 2u);
     // Without a picture the plots and the table remain.
     Page blind = page;
-    for (PageMaterial& of : blind.materials) of.material.reset();
+    for (PageMaterial& shown : blind.materials) shown.material.reset();
     const std::string plots = page_html(blind);
     EXPECT_EQ(count(plots, "<figure"), 0u);
     EXPECT_EQ(count(plots, "<svg class="), k_slice_theta.size());
@@ -327,8 +327,8 @@ double psnr(const std::string& rgba, const Image8& other) {
 }
 
 /// The scene that the page says it drew.
-Scene scene_in(const Json& of) {
-    const Json& scene = of.at("scene");
+Scene scene_in(const Json& picture) {
+    const Json& scene = picture.at("scene");
     const auto vector = [](const Json& numbers, std::size_t first) {
         return Vec3d{numbers[first], numbers[first + 1], numbers[first + 2]};
     };
@@ -344,12 +344,12 @@ Scene scene_in(const Json& of) {
 }
 
 /// Its picture under the environment, by paths.
-Image8 traced_picture(const Json& of, const Material& material) {
-    const Scene scene = scene_in(of);
+Image8 traced_picture(const Json& picture, const Material& material) {
+    const Scene scene = scene_in(picture);
     const Vec3d from = scene.camera.eye - scene.camera.target;
     const Image studio = halved(load_environment("studio")->texels());
     Image turned = studio;  // the path tracer turns the environment with the camera, the page by itself
-    const double angle = double(of["scene"]["turned"]) - std::atan2(from.x, from.z),
+    const double angle = double(picture["scene"]["turned"]) - std::atan2(from.x, from.z),
                  shift = studio.width * (angle / (2 * k_pi) + 2), whole = std::floor(shift);
     for (int y = 0; y < studio.height; ++y)
         for (int x = 0; x < studio.width; ++x)
@@ -371,19 +371,20 @@ Image8 traced_picture(const Json& of, const Material& material) {
         material);
     const PathScene paths{{{&scene.mesh, 0}}, {prepared}, scene.camera, scene.lights, {}, &environment};
     PathOptions options;
-    options.width = of.at("width"), options.height = of.at("height"), options.samples = 256, options.occlusion = false;
-    return shown(render_paths(paths, options).rendering, of["scene"]["exposure"]);
+    options.width = picture.at("width"), options.height = picture.at("height"), options.samples = 256,
+    options.occlusion = false;
+    return shown(render_paths(paths, options).rendering, picture["scene"]["exposure"]);
 }
 
 /// Its picture by the desktop's library.
-Image8 desktop_picture(const Json& of, const RasterMaterial& material) {
-    const int width = of.at("width"), height = of.at("height");
+Image8 desktop_picture(const Json& picture, const RasterMaterial& material) {
+    const int width = picture.at("width"), height = picture.at("height");
     const auto target = RasterTarget::make(width, height, 4, RasterTarget::Format::bytes);
     if (!target) return ADD_FAILURE() << message(target.error()), Image8(width, height);
-    const Scene scene = scene_in(of);
+    const Scene scene = scene_in(picture);
     target->begin();
     material.draw(RasterMesh(scene.mesh),
-                  {scene.camera, double(width) / height, scene.lights, float(of["scene"]["exposure"])});
+                  {scene.camera, double(width) / height, scene.lights, float(picture["scene"]["exposure"])});
     return target->read_bytes();
 }
 
@@ -431,32 +432,32 @@ struct StepPictures {
 /// Compares each picture with the desktop's.
 StepPictures compared_pictures(const Page& page, const Json& pictures, const TemporaryFolder& folder, Dialect dialect) {
     std::vector<RasterMaterial> materials;
-    for (const PageMaterial& of : page.materials) {
-        auto made = RasterMaterial::make(*of.material, {.dialect = dialect});
+    for (const PageMaterial& shown : page.materials) {
+        auto made = RasterMaterial::make(*shown.material, {.dialect = dialect});
         if (!made) return ADD_FAILURE() << message(made.error()), StepPictures();
         materials.push_back(*std::move(made));
     }
     StepPictures steps;
-    for (const Json& of : pictures) {
-        const std::string step = of["step"], rgba = contents(folder / std::string(of["file"]));
-        const std::size_t material = of["material"];
+    for (const Json& picture : pictures) {
+        const std::string step = picture["step"], rgba = contents(folder / std::string(picture["file"]));
+        const std::size_t material = picture["material"];
         const bool lit_around = step.starts_with("studio");
-        const double alike = psnr(rgba, lit_around ? traced_picture(of, *page.materials[material].material)
-                                                   : desktop_picture(of, materials[material]));
+        const double alike = psnr(rgba, lit_around ? traced_picture(picture, *page.materials[material].material)
+                                                   : desktop_picture(picture, materials[material]));
         EXPECT_GE(alike, lit_around ? 30 : 40) << step << ", material " << material;
-        if (steps.first.emplace(step, of).second) steps.pixels[step] = rgba;
+        if (steps.first.emplace(step, picture).second) steps.pixels[step] = rgba;
         std::unordered_set<std::uint32_t> colours;  // there is something to see
         for (std::size_t i = 0; i < rgba.size(); i += 4)
             colours.insert(std::uint32_t(std::uint8_t(rgba[i])) << 16 | std::uint32_t(std::uint8_t(rgba[i + 1])) << 8 |
                            std::uint8_t(rgba[i + 2]));
         EXPECT_GT(colours.size(), 500u) << step << ", material " << material;
-        EXPECT_GE(int(of["scene"]["samples"]), lit_around ? 12 : 0);
+        EXPECT_GE(int(picture["scene"]["samples"]), lit_around ? 12 : 0);
         ++steps.count[step];
     }
     return steps;
 }
 
-/// What a step changes, and what it does not.
+/// Expects what a step changes and what it keeps.
 void expect_changes(StepPictures& steps) {
     auto& [of_first, pixels, count] = steps;
     EXPECT_EQ(of_first["one"]["material"], 1);
@@ -519,7 +520,7 @@ TEST(Page, DrawsInABrowserWhatTheDesktopDraws) {
     expect_light_behind(steps.first["behind"]["scene"]);
     expect_environment(steps, with["refused"]);
 
-    // Where a browser cannot draw.
+    // This browser cannot draw.
     EXPECT_EQ(without["said"], 1);
     EXPECT_EQ(without["viewer"], 0);
     EXPECT_EQ(without["rows"], int(page.table.size()));

@@ -306,7 +306,7 @@ TEST(Path, TexelsAreDrawnFromTheirLobes) {
         const TexelMap map = random_map(random, {.axial = axial, .lobes = 4, .most_bandwidth = 200}, 4, 2);
         const PreparedMap prepared = prepare_map(map);
         const std::size_t t = 5;
-        const PreparedBrdf own = prepare(texel(map, t)),
+        const PreparedBrdf single = prepare(texel(map, t)),
                            shared = brdf_at(prepared, {(float(t % 4) + 0.5f) / 4, (float(t / 4) + 0.5f) / 2});
         for (const double z : {0.2, 0.7}) {
             const Vec3f wv = to_float(spherical(std::acos(z), 1.0));
@@ -316,7 +316,7 @@ TEST(Path, TexelsAreDrawnFromTheirLobes) {
                 const Vec2f u{float(uniform(random)), float(uniform(random))};
                 const float selector = float(uniform(random));
                 for (const std::size_t k : {0, 1}) {
-                    const LightSample drawn = sample(k == 0 ? own : shared, wv, u, selector);
+                    const LightSample drawn = sample(k == 0 ? single : shared, wv, u, selector);
                     mean[k] += double(drawn.weight.g) / draws;
                     squares[k] += double(drawn.weight.g) * double(drawn.weight.g) / draws;
                 }
@@ -436,16 +436,16 @@ TEST(Path, RaysFindWhatIsNearest) {
     EXPECT_GT(hits, 100);
 }
 
-/// Of the sizes that a mesh may have when it is read.
+/// The mesh has each of the sizes that it may have when it is read.
 TEST(Path, SceneOfAnySizeIsOnePicture) {
     std::vector<Image> pictures;
     for (const float scale : {1.f, 0x1p-23f, 0x1p22f}) {
         Mesh mesh = ball(24);
         for (Vec3f& p : mesh.positions) p = scale * p;
-        const Scene of = scene_of(mesh, {}, 1);
-        const Mesh floor = ground_below(of.mesh, of.camera.up);
+        const Scene base = scene_of(mesh, {}, 1);
+        const Mesh floor = ground_below(base.mesh, base.camera.up);
         const PathScene scene{
-            {{&of.mesh, 0}, {&floor, 0}}, {diffuse({0.5f, 0.5f, 0.5f})}, of.camera, of.lights, {}, &even_light()};
+            {{&base.mesh, 0}, {&floor, 0}}, {diffuse({0.5f, 0.5f, 0.5f})}, base.camera, base.lights, {}, &even_light()};
         pictures.push_back(render_paths(scene, small(16)).rendering.radiance);
     }
     for (const Image& picture : pictures)
@@ -487,7 +487,7 @@ TEST_F(PathCommand, PicturesAreWritten) {
 
 TEST_F(PathCommand, PicturesAreCompared) {
     ASSERT_EQ(render({"-o", "a.exr"}).status, 0);
-    // The same picture, from a file and made anew.
+    // The reference is the same picture, from a file or made anew.
     for (const char* reference : {"a.exr", "a.srbf"}) {
         const ProgramRun result = render({"-o", "b.png", "--compare", reference, "--json", "-"});
         EXPECT_EQ(result.status, 0) << result.err;

@@ -69,18 +69,18 @@ class Raster : public InEachDialect {
         constexpr auto bytes = RasterTarget::Format::bytes;
         const RasterMesh mesh(scene.mesh);
         const RasterView view = view_of(scene, exposure);
-        const auto of = RasterMaterial::make(material, {.dialect = GetParam(), .input = input});
+        const auto shader = RasterMaterial::make(material, {.dialect = GetParam(), .input = input});
         const auto surface = RasterSurface::make(GetParam(), k_width, k_height);
-        if (!of || !surface) return ADD_FAILURE() << message(of ? surface.error() : of.error()), Image8();
+        if (!shader || !surface) return ADD_FAILURE() << message(shader ? surface.error() : shader.error()), Image8();
         const auto target = input == PixelInput::surface ? RasterTarget::make_for(*surface)
                                                          : RasterTarget::make(k_width, k_height, 1, bytes);
         if (!target) return ADD_FAILURE() << message(target.error()), Image8();
         if (input == PixelInput::surface) surface->draw(mesh, view);
         target->begin();
         if (input == PixelInput::surface)
-            of->draw(*surface, view);
+            shader->draw(*surface, view);
         else
-            of->draw(mesh, view);
+            shader->draw(mesh, view);
         return target->read_bytes();
     }
 
@@ -111,7 +111,7 @@ class Raster : public InEachDialect {
     double psnr(const Material& material, const Scene& scene, PixelInput input = PixelInput::triangles) {
         Pixels& surface = surfaces[&scene];
         if (surface.positions.empty()) surface = pixels_of(scene);
-        const Image expected = std::visit([&](const auto& of) { return radiance(scene, surface, of); }, material);
+        const Image expected = std::visit([&](const auto& brdf) { return radiance(scene, surface, brdf); }, material);
         const float exposure = automatic_exposure(expected);
         EXPECT_LT(exposure, 1e6);  // there is something to see
         const Image8 picture = shown(scene, material, exposure, input);
@@ -240,11 +240,11 @@ TEST_P(Raster, SamplesSmoothOutlines) {
     // Only the silhouette pixels of a white sphere lie between object and background.
     const auto between = [&](int samples) {
         const auto target = RasterTarget::make(k_width, k_height, samples, RasterTarget::Format::floats);
-        const auto of = RasterMaterial::make(Flat{}, {.dialect = GetParam(), .output = PixelOutput::radiance});
-        if (!target || !of) return ADD_FAILURE(), -1L;
+        const auto shader = RasterMaterial::make(Flat{}, {.dialect = GetParam(), .output = PixelOutput::radiance});
+        if (!target || !shader) return ADD_FAILURE(), -1L;
         EXPECT_EQ(target->samples(), samples);
         target->begin();
-        of->draw(RasterMesh(sphere_scene().mesh), view_of(sphere_scene()));
+        shader->draw(RasterMesh(sphere_scene().mesh), view_of(sphere_scene()));
         const auto pixels = target->read_floats();
         return long(std::ranges::count_if(pixels, [](const Float4& p) { return p[3] > 0 && p[3] < 1; }));
     };
@@ -301,7 +301,7 @@ TEST(Render, WritesAPictureOfEachFileSideBySide) {
     const auto number = [&](std::size_t at) { return 256 * std::uint8_t(png[at + 2]) + std::uint8_t(png[at + 3]); };
     EXPECT_EQ(number(16), 3 * 160);
     EXPECT_EQ(number(20), 120 + 20);  // with a strip of captions
-    // Of what is not isotropic there is no table.
+    // A measurement that is not isotropic has no table.
     write(folder / "a.csv",
           "# anisotropic\nwl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n0.6,0,0.8,0,0,1,1\n");
     const ProgramRun refused = run(folder, {"render", "a.csv", "--renderer", "raster", "-o", "a.png"});
@@ -394,17 +394,17 @@ TEST(Render, DrawsALightBehind) {
 }
 
 TEST(Rasterize, GivesRadianceAndCoverage) {
-    const auto of = rasterize(sphere_scene(), std::vector<Material>{Flat{}, film_su()}, k_width, k_height);
-    if (!of) GTEST_SKIP() << message(of.error());
-    ASSERT_EQ(of->size(), 2u);
+    const auto drawn = rasterize(sphere_scene(), std::vector<Material>{Flat{}, film_su()}, k_width, k_height);
+    if (!drawn) GTEST_SKIP() << message(drawn.error());
+    ASSERT_EQ(drawn->size(), 2u);
     double covered = 0;
-    for (const float share : (*of)[0].coverage) covered += double(share);
+    for (const float share : (*drawn)[0].coverage) covered += double(share);
     // The sphere fills the picture but for the margin, seen in perspective as a disc.
     EXPECT_TRUE(near_relative(covered, k_pi * std::pow((1 - k_margin) * k_height / 2, 2), 0.02));
-    EXPECT_EQ((*of)[0].coverage, (*of)[1].coverage);
-    // Where the key light falls straight in, f E.
+    EXPECT_EQ((*drawn)[0].coverage, (*drawn)[1].coverage);
+    // The radiance is f E where the key light falls along the normal.
     float most = 0;
-    for (const Rgb& pixel : (*of)[0].radiance.pixels) most = std::max(most, pixel.r);
+    for (const Rgb& pixel : (*drawn)[0].radiance.pixels) most = std::max(most, pixel.r);
     EXPECT_GT(most, 2.95f * Flat::k_value);
     EXPECT_LT(most, 3.6f * Flat::k_value);
 }

@@ -13,7 +13,7 @@ constexpr float k_nan = std::numeric_limits<float>::quiet_NaN();
 constexpr float k_infinity = std::numeric_limits<float>::infinity();
 constexpr Rgb8 k_black{0, 0, 0}, k_white{255, 255, 255};
 
-// To the screen.
+// Radiance is displayed on a screen by these functions.
 
 TEST(SrgbEncoded, IsTheStandardsFunctionAndMonotone) {
     EXPECT_EQ(srgb_encoded(0), 0);

@@ -43,7 +43,7 @@ TEST(Camera, LooksDownAndUp) {
         const Camera camera = camera_of(sphere(8), {.azimuth = 0.5, .elevation = elevation}, 1);
         expect_orthonormal(frame(camera));
         EXPECT_TRUE(near(frame(camera).z.y, elevation > 0 ? 1 : -1, 1e-9));
-        // The same way up as just before the pole.
+        // The camera is upright as it is just before the pole.
         const Camera before = camera_of(sphere(8), {.azimuth = 0.5, .elevation = 0.999 * elevation}, 1);
         EXPECT_GT(dot(frame(camera).x, frame(before).x), 0.999);
     }

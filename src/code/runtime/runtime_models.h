@@ -176,7 +176,7 @@ static int srbf_read_ggx(srbf_file* file, srbf_model* model) {
 static int srbf_read_openpbr(srbf_file* file, srbf_model* model) {
     const int has_film = srbf_find(file, "thin_film_weight") != 0;
     const int is_anisotropic = srbf_find(file, "specular_roughness_anisotropy") != 0;
-    srbf_OpenPbrSurface* of = &model->surface;
+    srbf_OpenPbrSurface* surface = &model->surface;
     srbf_OpenPbrAnisotropy* turned = &model->anisotropy;
     srbf_OpenPbrRoughness base;
     float p[3 * SRBF_PARAMETERS], coat, alpha;
@@ -193,14 +193,15 @@ static int srbf_read_openpbr(srbf_file* file, srbf_model* model) {
     }
     if (file->error) return 0;
     // The members of the structures are in the order of the parameters, after the weight of the base.
-    memcpy(of, p + 1, sizeof *of), memcpy(&model->film, p + 1 + sizeof *of / sizeof *p, sizeof model->film);
-    of->base_color = srbf_scale(p[0], of->base_color);
+    memcpy(surface, p + 1, sizeof *surface);
+    memcpy(&model->film, p + 1 + sizeof *surface / sizeof *p, sizeof model->film);
+    surface->base_color = srbf_scale(p[0], surface->base_color);
     turned->amount = p[n - 2];
     turned->cosine = cosf(6.28318531f * p[n - 1]), turned->sine = sinf(6.28318531f * p[n - 1]);
-    coat = srbf_alpha_of(of->coat_roughness);
-    alpha = srbf_alpha_of(srbf_roughened(of->specular_roughness, of->coat_roughness, of->coat_weight));
+    coat = srbf_alpha_of(surface->coat_roughness);
+    alpha = srbf_alpha_of(srbf_roughened(surface->specular_roughness, surface->coat_roughness, surface->coat_weight));
     base = srbf_openpbr_roughness(alpha, turned->amount);
-    model->facets = of->coat_weight > 0.0f ? 2 : 1;
+    model->facets = surface->coat_weight > 0.0f ? 2 : 1;
     model->facet[0] = srbf_facets_along(turned->cosine, turned->sine, base.along, base.across);
     model->facet[1] = srbf_facets_along(1.0f, 0.0f, coat, coat);
     return 1;

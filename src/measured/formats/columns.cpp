@@ -208,9 +208,9 @@ struct ColumnAssignment {
     /// Where a header has both "src_z" and "src_a", they are a zenith angle and an azimuth.
     std::optional<std::size_t> short_angle(std::string_view key) const {
         if (key.size() < 2 || (key.back() != 'z' && key.back() != 'a')) return {};
-        const std::string of(key.substr(0, key.size() - 1));
-        const auto role = role_of(of);
-        const auto has = [&](char c) { return std::ranges::find(keys, of + c, &ColumnName::key) != keys.end(); };
+        const std::string stem(key.substr(0, key.size() - 1));
+        const auto role = role_of(stem);
+        const auto has = [&](char c) { return std::ranges::find(keys, stem + c, &ColumnName::key) != keys.end(); };
         if (!role || *role > 1 || !has('z') || !has('a')) return {};
         return 2 * *role + (key.back() == 'a');
     }

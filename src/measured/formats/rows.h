@@ -35,7 +35,7 @@ EvaluatedTable evaluated_table(const std::shared_ptr<const Table>& table, TableF
         for (std::size_t i = 0; i < f.size(); ++i) f[i] = signed_value(*table, wl[i], wv[i]);
     };
     evaluated.isotropic = is_isotropic(*table);
-    evaluated.own = table, evaluated.name_of_own = Table::k_name;
+    evaluated.table = table, evaluated.table_name = Table::k_name;
     evaluated.functions = std::make_shared<const TableFunctions>(std::move(functions));
     return evaluated;
 }

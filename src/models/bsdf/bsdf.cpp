@@ -156,9 +156,9 @@ Rgb share_at(const Beam& beam, Vec3f wl) {
 }
 
 Rgb share_at(const Beams& beams, Part part, Vec3f wl) {
-    const Beam& own = beams[std::size_t(part)];
-    if (own.empty() && is_transmission(part)) return share_at(beams[std::size_t(counterpart(part))], mirror(wl));
-    return share_at(own, wl);
+    const Beam& beam = beams[std::size_t(part)];
+    if (beam.empty() && is_transmission(part)) return share_at(beams[std::size_t(counterpart(part))], mirror(wl));
+    return share_at(beam, wl);
 }
 
 Evaluate part_of(Evaluate bsdf, Part part) {

@@ -31,8 +31,8 @@ std::string Kind<GgxModel>::formula_text(const GgxModel& model, const NumberText
     std::string text, sum = "Real(2.0 / SRBF_TWO_PI) * " + text_of(model, diffuse, number);
     for (std::size_t i = 0; i < model.lobes.size(); ++i) {
         text += fmt::format("    GgxLobe {};\n", names[i]);
-        for (const auto& of : {roughness, f0, f90})
-            text += fmt::format("    {}.{} = {};\n", names[i], of.name, text_of(model, of, number, i));
+        for (const auto& parameter : {roughness, f0, f90})
+            text += fmt::format("    {}.{} = {};\n", names[i], parameter.name, text_of(model, parameter, number, i));
         sum += fmt::format(" + ggx_lobe_value({}, wl, wv)", names[i]);
     }
     return text + "    return " + sum + ";\n";

@@ -54,32 +54,32 @@ OpenPbrModel Kind<OpenPbrModel>::from_parameters(ParameterReader& reader) {
 }
 
 std::string Kind<OpenPbrModel>::formula_text(const OpenPbrModel& model, const NumberText& number) {
-    std::string text = "    OpenPbrSurface of;\n";
+    std::string text = "    OpenPbrSurface layers;\n";
     const auto set = [&](const std::string& member, float x, std::string_view parameter) {
         text += fmt::format("    {} = {};\n", member, number(x, parameter, 0));
     };
     const Vec3f base = kernel_surface(model).base_color;  // product of base_color and base_weight
     const std::string r = number(base.x, "", 0), g = number(base.y, "", 1), b = number(base.z, "", 2);
-    text += fmt::format("    of.base_color = Vec3({}, {}, {});\n", r, g, b);
-    for (const OpenPbrParameter& of : std::span(k_openpbr_parameters).subspan(2, 14))
-        text += fmt::format("    of.{} = {};\n", of.name, text_of(model, of, number));
+    text += fmt::format("    layers.base_color = Vec3({}, {}, {});\n", r, g, b);
+    for (const OpenPbrParameter& row : std::span(k_openpbr_parameters).subspan(2, 14))
+        text += fmt::format("    layers.{} = {};\n", row.name, text_of(model, row, number));
 
     const std::string directions = model.is_exchanged ? "wv, wl" : "wl, wv";
     const bool is_anisotropic = model.specular_roughness_anisotropy > 0;
     if (model.thin_film_weight == 0 && !is_anisotropic)
-        return text + fmt::format("    return openpbr_value(of, {});\n", directions);
+        return text + fmt::format("    return openpbr_value(layers, {});\n", directions);
     const auto film = kernel_film(model);
     text += "    OpenPbrFilm film;\n";
     set("film.weight", film.weight, "thin_film_weight");
     set("film.thickness", film.thickness, "thin_film_thickness");
     set("film.ior", film.ior, "thin_film_ior");
-    if (!is_anisotropic) return text + fmt::format("    return openpbr_film_value(of, film, {});\n", directions);
+    if (!is_anisotropic) return text + fmt::format("    return openpbr_film_value(layers, film, {});\n", directions);
     const auto anisotropy = kernel_anisotropy(model);
     text += "    OpenPbrAnisotropy anisotropy;\n";
     set("anisotropy.amount", anisotropy.amount, "specular_roughness_anisotropy");
     set("anisotropy.cosine", anisotropy.cosine, "");
     set("anisotropy.sine", anisotropy.sine, "");
-    return text + fmt::format("    return openpbr_anisotropic_value(of, film, anisotropy, {});\n", directions);
+    return text + fmt::format("    return openpbr_anisotropic_value(layers, film, anisotropy, {});\n", directions);
 }
 
 }  // namespace srbf

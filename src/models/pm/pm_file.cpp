@@ -33,10 +33,10 @@ std::map<std::string, TensorShape> tensors_of(PmForm form, bool axial, bool with
 /// The tensors of a model, with its numbers rounded to 16-bit floats.
 std::map<std::string, Tensor16> encode(const PmModel& model, bool with_log_scale) {
     std::map<std::string, Tensor16> tensors;
-    for (const auto& [name, of] :
+    for (const auto& [name, layout] :
          tensors_of(model.form, model.axial, with_log_scale, std::uint64_t(model.lobes), std::uint64_t(model.variates),
                     model.wavelength.empty() ? 3 : model.wavelength.size()))
-        tensors[name] = {of.type, of.shape, {}};
+        tensors[name] = {layout.type, layout.shape, {}};
     const auto add = [&](const char* name, float x) {
         tensors.at(name).data.push_back(to_half(std::clamp(x, -k_half_max, k_half_max)));
     };

@@ -54,10 +54,10 @@ void SampledViews::find_typical() {
 
 void SampledViews::find_largest() {
     const std::size_t n = count();
-    std::vector<Rgb> own(n);  // the largest product of each view
+    std::vector<Rgb> largest(n);  // the largest product of each view
     parallel_for(n, [&](std::size_t view) {
         const auto add = [&](Vec3f w, const Rgb& value) {
-            if (within(w) && is_finite(value)) raise_to(own[view], value, w.z);
+            if (within(w) && is_finite(value)) raise_to(largest[view], value, w.z);
         };
         for (std::size_t i = 0; i < n; ++i) add(direction(i), f(view, i));
         for (const RawMatrix::Between& between : between_of(view)) add(between.direction, between.f);
@@ -65,7 +65,7 @@ void SampledViews::find_largest() {
     largest_.resize(n);
     for (std::size_t view = 0; view < n; ++view)
         for (std::size_t i = view - std::min(view, k_peak_views); i < std::min(n, view + k_peak_views + 1); ++i)
-            raise_to(largest_[view], own[i]);
+            raise_to(largest_[view], largest[i]);
 }
 
 std::size_t SampledViews::valid(std::size_t view) const {

@@ -10,8 +10,8 @@ namespace SRBF_NAMESPACE {
 namespace {
 
 template <typename Choice> std::optional<Choice> choice_named(std::string_view text) {
-    for (const Choice of : {Choice(0), Choice(1)})
-        if (name(of) == text) return of;
+    for (const Choice choice : {Choice(0), Choice(1)})
+        if (name(choice) == text) return choice;
     return std::nullopt;
 }
 

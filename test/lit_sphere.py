@@ -1,7 +1,7 @@
-"""A sphere under a lamp: the picture of a model, and the differences of other programs from it.
+"""A sphere under a directional light: the picture of a model, and the differences of other programs from it.
 
-The sphere has radius 1 about the origin. The camera at (0, 0, 5) looks at it with a field of 26 degrees, and the lamp is in the direction
-(-2, 2, 3), of irradiance 3 on a surface that faces it. A picture is linear radiance [256, 256, 3], its highest row first.
+The sphere has radius 1 about the origin. The camera at (0, 0, 5) looks at it with a field of 26 degrees, and light
+comes from the direction (-2, 2, 3), with irradiance 3 on a surface that faces it. A picture is linear radiance [256, 256, 3], its highest row first.
 """
 import math
 import subprocess
@@ -11,7 +11,7 @@ import numpy as np
 from seen import delta_e, displayed, exposure
 
 SIZE, DISTANCE, HALF_FIELD = 256, 5, math.radians(13)
-LAMP, IRRADIANCE = np.array([-2, 2, 3]) / math.sqrt(17), 3
+TO_LIGHT, IRRADIANCE = np.array([-2, 2, 3]) / math.sqrt(17), 3
 WITHIN = 1  # ΔE_ITP in the mean over the sphere
 
 
@@ -28,12 +28,12 @@ def points():
 
 
 def pairs():
-    """Directions to the lamp and to the viewer, [n, 6], at those pixels; the x axis of the surface is along its circles of latitude about y."""
+    """Directions to the light and to the viewer, [n, 6], at those pixels; the x axis of the surface is along its circles of latitude about y."""
     _, normal, viewer = points()
     tangent = np.cross([0, 1, 0], normal)
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
     frame = np.stack([tangent, np.cross(normal, tangent), normal], axis=1)
-    return np.concatenate([frame @ LAMP, (frame @ viewer[..., None])[..., 0]], axis=1)
+    return np.concatenate([frame @ TO_LIGHT, (frame @ viewer[..., None])[..., 0]], axis=1)
 
 
 def reflected(program, model, directions, folder):
@@ -50,13 +50,13 @@ def reference(program, model, folder):
     return picture
 
 
-def apart(picture, of_model):
+def picture_error(picture, of_model):
     """The mean ΔE_ITP over the sphere of a host's picture against that of the model."""
     inside = points()[0]
     return delta_e(picture[inside], of_model[inside])
 
 
-def beside(of_model, pictures):
+def side_by_side(of_model, pictures):
     """The model's picture and those of hosts in a row, 8-bit sRGB, with the exposure of the first."""
     by = exposure(of_model[points()[0]])
     return np.concatenate([displayed(picture, by) for picture in (of_model, *pictures)], axis=1)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The programs of examples/hosts: each draws a sphere of the bundled materials under a lamp by exported code or a model, and its picture is
-that of the model itself, within a mean ΔE_ITP of 1. Each host is skipped where it is not installed; the last line counts those that ran.
+"""The programs of examples/hosts: each draws a sphere of the bundled materials under a directional light by exported code or a model, and its
+picture is that of the model itself, within a mean ΔE_ITP of 1. Each host is skipped where it is not installed; the last line counts those that ran.
 Arguments: the program, a folder with peers/ beside it, and, if given, a folder for the pictures and the names of some hosts.
 """
 import importlib.util
@@ -17,7 +17,7 @@ import numpy as np
 
 here = Path(__file__).resolve()
 sys.path.insert(0, str(here.parent.parent))
-import lamp  # noqa: E402
+import lit_sphere  # noqa: E402
 from chromium import WEBGL, program as chromium  # noqa: E402
 from served import WEBGPU, opened, picture as picture_of  # noqa: E402
 
@@ -33,7 +33,7 @@ function load(id) {
     return loaded[id].exports;
 }
 load.o = (object, name) => Object.hasOwn(object, name);
-load.d = (exports, of) => Object.keys(of).forEach((name) => Object.defineProperty(exports, name, { enumerable: true, configurable: true, get: of[name] }));
+load.d = (exports, getters) => Object.keys(getters).forEach((name) => Object.defineProperty(exports, name, { enumerable: true, configurable: true, get: getters[name] }));
 load.r = (exports) => Object.defineProperty(exports, "__esModule", { value: true });
 load.n = (module) => Object.assign(() => module.default ?? module, { a: module.default ?? module });
 load.g = window;
@@ -56,7 +56,7 @@ def by_page(flags, files):
         for name, text in files.items():
             (folder / name).write_text(text, encoding="utf-8")
         with opened(folder, "index.html", flags) as browser:
-            np.save(picture, picture_of(browser, "radiance", lamp.SIZE))
+            np.save(picture, picture_of(browser, "radiance", lit_sphere.SIZE))
     return draw
 
 
@@ -71,14 +71,14 @@ def by_slang(example, code, picture):
     """Draws, and compares derivatives by the direction to the light, along the sphere of directions, with differences of `srbf eval`."""
     folder = Path(picture).parent
     by_script(example, code, picture, "cpu", folder / "slopes.npy")
-    directions, step = lamp.pairs(), 1e-3
+    directions, step = lit_sphere.pairs(), 1e-3
     some = np.flatnonzero(directions[:, 2] * directions[:, 5] > 0.05)[::97]
     wl, wv = directions[some, :3], directions[some, 3:]
     along = np.cross(wl, [0.3, 0.5, 0.8])
     along /= np.linalg.norm(along, axis=1, keepdims=True)
     moved = [np.hstack([np.cos(step) * wl + sign * np.sin(step) * along, wv]) for sign in (1, -1)]
-    up, down = (lamp.reflected(program, models[folder.name], directions, folder).sum(1) for directions in moved)
-    slopes = (np.load(folder / "slopes.npy")[lamp.points()[0]][some] * along).sum(1)
+    up, down = (lit_sphere.reflected(program, models[folder.name], directions, folder).sum(1) for directions in moved)
+    slopes = (np.load(folder / "slopes.npy")[lit_sphere.points()[0]][some] * along).sum(1)
     apart = np.median(np.abs(slopes - (up - down) / (2 * np.sin(step))) / (np.abs(slopes) + 1e-3))
     if not apart < 1e-3:
         raise RuntimeError(f"slang: derivatives differ from slopes by {apart:.1e} in the median")
@@ -90,7 +90,7 @@ def by_c(example, code, picture):
     shutil.copy(example / "sphere.c", folder)
     subprocess.run(["cc", "-O2", "sphere.c", "-o", "sphere", "-lm"], cwd=folder, check=True)
     pixels = subprocess.run([folder / "sphere"], check=True, stdout=subprocess.PIPE).stdout
-    np.save(picture, np.frombuffer(pixels, np.float32).reshape(lamp.SIZE, lamp.SIZE, 3))
+    np.save(picture, np.frombuffer(pixels, np.float32).reshape(lit_sphere.SIZE, lit_sphere.SIZE, 3))
 
 
 def by_filament(example, code, picture):
@@ -104,7 +104,7 @@ def by_filament(example, code, picture):
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=600)
         if done.returncode:
             raise RuntimeError(done.stdout[-2000:] + done.stderr[-2000:])
-    np.save(picture, np.fromfile(folder / "picture", np.float32).reshape(lamp.SIZE, lamp.SIZE, 4)[..., :3])
+    np.save(picture, np.fromfile(folder / "picture", np.float32).reshape(lit_sphere.SIZE, lit_sphere.SIZE, 4)[..., :3])
 
 
 def three(files):
@@ -125,7 +125,7 @@ def babylon():
 
 
 def hosts():
-    """For each example its name, the version of the host or None, the export that it needs, and the function that draws it."""
+    """Yields each example: its name, the version of the host or None, the export that it needs, and what draws it."""
     def version_of(distribution, *modules):
         return version(distribution) if all(map(importlib.util.find_spec, modules or (distribution,))) else None
     compiler = shutil.which("cc") and subprocess.run(["cc", "--version"], capture_output=True, text=True).stdout.splitlines()[0]
@@ -146,12 +146,12 @@ def hosts():
 
 failures, ran, rows, names = [], [], {material: [] for material in MATERIALS}, sys.argv[4:]
 with tempfile.TemporaryDirectory() as folder:
-    models, own = {}, {}
+    models, references = {}, {}
     for material, measurement in MATERIALS.items():
         models[material] = Path(folder, material, "material.srbf")
         models[material].parent.mkdir()
         subprocess.run([program, "fit", here.parents[2] / f"data/{measurement}.bsdf", "-o", models[material]], check=True, stdout=subprocess.DEVNULL)
-        own[material] = lamp.reference(program, models[material], folder)
+        references[material] = lit_sphere.reference(program, models[material], folder)
     for host, installed, export, ending, draw in hosts():
         if names and host not in names:
             continue
@@ -169,16 +169,16 @@ with tempfile.TemporaryDirectory() as folder:
                 shutil.copy(model, code)
             draw(examples / host, code, picture)
             rows[material].append(np.load(picture).astype(float))
-            errors.append(lamp.apart(rows[material][-1], own[material]))
+            errors.append(lit_sphere.picture_error(rows[material][-1], references[material]))
         ran.append(host)
         text = f"{host} {installed}: " + ", ".join(f"{material} {error:.2f}" for material, error in zip(MATERIALS, errors))
-        print("ok  " if max(errors) <= lamp.WITHIN else "BAD ", text, flush=True)
-        if max(errors) > lamp.WITHIN:
+        print("ok  " if max(errors) <= lit_sphere.WITHIN else "BAD ", text, flush=True)
+        if max(errors) > lit_sphere.WITHIN:
             failures.append(host)
     if len(sys.argv) > 3:
         from PIL import Image, ImageDraw
-        rows_of_spheres = Image.fromarray(np.concatenate([lamp.beside(own[material], rows[material]) for material in MATERIALS]))
-        spheres = rows_of_spheres.resize([96 * length // lamp.SIZE for length in rows_of_spheres.size], Image.Resampling.BOX)
+        rows_of_spheres = Image.fromarray(np.concatenate([lit_sphere.side_by_side(references[material], rows[material]) for material in MATERIALS]))
+        spheres = rows_of_spheres.resize([96 * length // lit_sphere.SIZE for length in rows_of_spheres.size], Image.Resampling.BOX)
         sheet = Image.new("RGB", (spheres.width, spheres.height + 14), "white")
         sheet.paste(spheres, (0, 14))
         for i, label in enumerate(["model", *ran]):

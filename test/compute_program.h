@@ -1,4 +1,4 @@
-// Compute shaders of tests.
+// This header compiles compute shaders of tests.
 #pragma once
 #include <epoxy/gl.h>
 #include <gtest/gtest.h>
@@ -8,22 +8,22 @@
 namespace srbf {
 
 /// The linked program of a compute shader, or 0.
-inline GLuint linked(const std::string& shader) {
-    const GLuint of = glCreateShader(GL_COMPUTE_SHADER), program = glCreateProgram();
-    const char* text = shader.c_str();
-    glShaderSource(of, 1, &text, nullptr);
-    glCompileShader(of);
-    glAttachShader(program, of);
+inline GLuint compute_program(const std::string& source) {
+    const GLuint shader_id = glCreateShader(GL_COMPUTE_SHADER), program = glCreateProgram();
+    const char* text = source.c_str();
+    glShaderSource(shader_id, 1, &text, nullptr);
+    glCompileShader(shader_id);
+    glAttachShader(program, shader_id);
     glLinkProgram(program);
     GLint is_linked = 0;
     glGetProgramiv(program, GL_LINK_STATUS, &is_linked);
     if (!is_linked) {
         std::string log(4000, '\0'), of_linking(4000, '\0');
-        glGetShaderInfoLog(of, 4000, nullptr, log.data());
+        glGetShaderInfoLog(shader_id, 4000, nullptr, log.data());
         glGetProgramInfoLog(program, 4000, nullptr, of_linking.data());
         ADD_FAILURE() << log.c_str() << of_linking.c_str();
     }
-    glDeleteShader(of);
+    glDeleteShader(shader_id);
     return is_linked ? program : 0;
 }
 

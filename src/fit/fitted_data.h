@@ -56,7 +56,7 @@ class FittedData {
     std::optional<Noise> noise_;
     std::map<Key, Observations> observations_;
     std::map<Key, SampleObservations> sample_observations_;
-    std::map<double, bool> isotropic_;  ///< by θmax
+    std::map<double, bool> isotropic_;  ///< the keys are θmax
 };
 
 }  // namespace srbf

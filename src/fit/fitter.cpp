@@ -92,7 +92,7 @@ PmFitOptions lobe_options(FittedData& data, const FitRequest& request) {
     return pm_options(request, pm.axial ? *pm.axial : data.looks_isotropic(request), k_default_form);
 }
 
-/// The first size whose mean ΔE_ITP against what is fitted reaches the target, or the last.
+/// Fits one size after the other, until the mean ΔE_ITP against the fitted function reaches the target.
 Result<FitOutcome> fit_first_size(const FittedData& data, const Observations& observations, PmFitOptions options,
                                   const FitRequest& request, const ProgressToken& progress) {
     const double target = target_of(request).value_or(k_default_delta_e);
@@ -194,13 +194,13 @@ Result<Done> validate(const FittedData& data, const FitRequest& request) {
     const Measured* measured = data.measured();
     if (measured && std::holds_alternative<BsdfTable>(measured->table))
         return argument_error("fit", "measurement", "a BRDF", "reflection and transmission, for fit_bsdf");
-    const auto refused = [](const char* expected, const char* found) {
-        return argument_error("fit", "spectral channels", expected, found);
+    const auto refused = [](const char* expected, std::string_view found) {
+        return argument_error("fit", "spectral channels", expected, std::string(found));
     };
     if (request.spectral && (!measured || wavelengths(*measured).empty()))
         return refused("a measurement at wavelengths", "one of colours");
     if (request.spectral && !std::holds_alternative<PmRequest>(request.model))
-        return refused("a multivariate model", "another");
+        return refused("the model pm", model_name(request));
     const auto target = target_of(request);
     if (target && data.samples())
         return argument_error("fit", "target delta E", "a measured table", "scattered samples");
@@ -254,7 +254,7 @@ Result<FitOutcome> Fitter::fit(const FitRequest& request, const ProgressToken& p
 
 Result<FitOutcome> Fitter::draft(const FitRequest& request, const ProgressToken& progress) {
     if (!std::holds_alternative<PmRequest>(request.model))
-        return argument_error("fit", "draft", "one of a multivariate model", "another");
+        return argument_error("fit", "draft", "the model pm", std::string(model_name(request)));
     return fit_by(draft_of_table, draft_of_samples, state_->data, request, progress);
 }
 

@@ -224,7 +224,8 @@ TEST(Ply, BadOnesAreErrors) {
     EXPECT_NE(error_of(ascii, "float y", "single y").find("line 6: type of a property"), std::string::npos);
     EXPECT_NE(error_of(ascii, "ascii", "ebcdic").find("line 2: format"), std::string::npos);
     EXPECT_NE(error_of(ascii, "end_header", "end").find("no end_header"), std::string::npos);
-    EXPECT_NE(error_of(ascii, "element face", "element vertex").find("one vertex, found another"), std::string::npos);
+    EXPECT_NE(error_of(ascii, "element face", "element vertex").find("one vertex, found a second one"),
+              std::string::npos);
     EXPECT_NE(error_of(ascii, "uchar int", "float int").find("type of a list's length"), std::string::npos);
     EXPECT_NE(error_of(ascii, "\n3 1 2 3", "\n3000000000 1 2 3").find("length of a list of face 4"), std::string::npos);
     for (const std::string& file : {ascii, little})

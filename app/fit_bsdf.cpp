@@ -8,7 +8,7 @@
 #include "base/printable.h"
 #include "brdf/directions.h"
 #include "brdf/parts.h"
-#include "measured/peak.h"
+#include "app/peak.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "srbf/file.h"
 

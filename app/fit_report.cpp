@@ -8,7 +8,7 @@
 #include "errors/picture_errors.h"
 #include "fit/noise.h"
 #include "fit/request_traits.h"
-#include "measured/peak.h"
+#include "app/peak.h"
 #include "observe/albedo_bound.h"
 #include "srbf/metrics.h"
 

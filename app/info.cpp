@@ -9,7 +9,7 @@
 #include "base/printable.h"
 #include "brdf/directions.h"
 #include "brdf/values.h"
-#include "measured/peak.h"
+#include "app/peak.h"
 #include "measured/tables.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "srbf/file.h"

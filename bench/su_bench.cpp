@@ -38,15 +38,9 @@ const SuModel& model() {
 
 void tabulate_matrix(benchmark::State& state) {
     for (auto _ : state)
-        benchmark::DoNotOptimize(
-            tabulate(signed_evaluator(measured()), {.between = int(state.range(1)), .threads = int(state.range(0))}));
+        benchmark::DoNotOptimize(tabulate(signed_evaluator(measured()), {.threads = int(state.range(0))}));
 }
-BENCHMARK(tabulate_matrix)
-    ->ArgNames({"threads", "between"})
-    ->Args({2, 0})
-    ->Args({2, 512})
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
+BENCHMARK(tabulate_matrix)->ArgName("threads")->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 /// Fits the raw matrix and encodes the model. The counters are milliseconds between progress reports of each stage.
 void fit(benchmark::State& state) {
@@ -109,8 +103,7 @@ const Pairs& random_pairs() {
     return pairs;
 }
 
-// Evaluation, in ns per pair: single pairs, single pairs by the index texture, arrays of unrelated pairs, and arrays of
-// pairs with the same view.
+// Evaluation, in ns per pair: single pairs, arrays of unrelated pairs, and arrays of pairs with the same view.
 void evaluate_pair(benchmark::State& state) {
     SuModel su = model();
     su.interpolation = SuInterpolation(state.range(0));
@@ -123,17 +116,6 @@ void evaluate_pair(benchmark::State& state) {
     state.SetLabel(std::string(name(su.interpolation)));
 }
 BENCHMARK(evaluate_pair)->Arg(0)->Arg(1);
-
-void evaluate_by_texture(benchmark::State& state) {
-    const IndexTexture index = index_texture(model(), DirectionMap::cube);
-    const Pairs& pairs = random_pairs();
-    std::size_t i = 0;
-    for (auto _ : state) {
-        benchmark::DoNotOptimize(value(model(), index, pairs.wl[i], pairs.wv[i]));
-        i = (i + 1) % pairs.wl.size();
-    }
-}
-BENCHMARK(evaluate_by_texture);
 
 void evaluate_array(benchmark::State& state) {
     SuModel su = model();

@@ -1,4 +1,4 @@
-#include "measured/peak.h"
+#include "app/peak.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include "measured/tables.h"
 #include "srbf/elementary.h"
 
-namespace SRBF_NAMESPACE {
+namespace srbf {
 
 namespace {
 

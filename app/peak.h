@@ -3,7 +3,7 @@
 #include "srbf/brdf.h"
 #include "srbf/measured.h"
 
-SRBF_BEGIN
+namespace srbf {
 
 /// The directions to the viewer at which f is largest.
 enum class PeakPosition {
@@ -41,4 +41,4 @@ Peak peak_of(const Measured& measured);
 /// A sentence about the peak, with a question if the azimuths seem wrong.
 std::string peak_text(const Peak& peak, bool is_transmission = false);
 
-SRBF_END
+}  // namespace srbf

@@ -79,9 +79,9 @@ void expect_values(const Answer& answer, const Model& model, std::mt19937_64& ra
         const Part through_part = wv.z > 0 ? Part::transmission_back : Part::transmission_front,
                    mirror_part = wv.z > 0 ? Part::reflection_front : Part::reflection_back;
         for (int c = 0; c < 3; ++c) {
-            ASSERT_PRED3(near, f[c], expected[c], 1e-4 * double(expected[c]) + 1e-6);
-            ASSERT_PRED3(near, through[c], share_at(beams, through_part, from)[c], 1e-4);
-            ASSERT_PRED3(near, of_mirror[c], share_at(beams, mirror_part, from)[c], 1e-4);
+            ASSERT_WITHIN(f[c], expected[c], 1e-4 * double(expected[c]) + 1e-6);
+            ASSERT_WITHIN(through[c], share_at(beams, through_part, from)[c], 1e-4);
+            ASSERT_WITHIN(of_mirror[c], share_at(beams, mirror_part, from)[c], 1e-4);
         }
     }
     const Vec3f in_surface{1, 0, 0}, up{0, 0, 1};
@@ -118,13 +118,13 @@ void expect_draws(const Answer& answer, const Model& model, Vec3f wv, std::mt199
         sum += weight, squares += weight * weight;
     }
     const double mass = sum_of(expected), seen = sum_of(observed);
-    EXPECT_PRED3(near, mass + double(lost) / count, 1, 7e-3);
+    EXPECT_WITHIN(mass + double(lost) / count, 1, 7e-3);
     for (double& each : expected) each *= seen / mass;
     EXPECT_GT(chi2_p_value(observed, expected), sidak(0.01, 12));
     const double whole =
         sum_of(bins.masses([&](Vec3d w) { return double(value(model, to_float(w), wv).g) * std::abs(w.z); }, 48));
     const double mean = sum / count, deviation = std::sqrt((squares / count - mean * mean) / count);
-    EXPECT_PRED3(near, mean, whole, 4 * deviation + 3e-3 * whole);
+    EXPECT_WITHIN(mean, whole, 4 * deviation + 3e-3 * whole);
 }
 
 /// On both sides of a BSDF, values and beams are the library's, and samples follow their density.

@@ -44,7 +44,7 @@ TEST(Bsdf, PartsHaveFramesOfTheirOwn) {
     std::vector<Rgb> f(lights.size());
     evaluator(model)(lights, views, f);
     for (std::size_t i = 0; i < f.size(); ++i)
-        for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, f[i][c], value(model, lights[i], views[i])[c], 1e-5);
+        for (int c = 0; c < 3; ++c) EXPECT_WITHIN(f[i][c], value(model, lights[i], views[i])[c], 1e-5);
     EXPECT_EQ(value(model, {1, 0, 0}, {0, 0, 1}), Rgb{});
     EXPECT_FALSE(to_part_frame({1, 0, 1e-40f}, {0, 0, 1}).has_value());
 }
@@ -65,8 +65,8 @@ TEST(Bsdf, MissingPartsHaveTheValuesOfTheirCounterparts) {
     exchange(whole_swapped);
     for (const auto& [wl, wv] : random_pairs(200))
         for (int c = 0; c < 3; ++c) {
-            EXPECT_PRED3(near, value(swapped, wl, wv)[c], value(model, wv, wl)[c], 1e-6);
-            EXPECT_PRED3(near, value(whole_swapped, wl, wv)[c], value(whole, wv, wl)[c], 1e-6);
+            EXPECT_WITHIN(value(swapped, wl, wv)[c], value(model, wv, wl)[c], 1e-6);
+            EXPECT_WITHIN(value(whole_swapped, wl, wv)[c], value(whole, wv, wl)[c], 1e-6);
         }
 }
 
@@ -86,8 +86,8 @@ TEST(Bsdf, FilesKeepAllParts) {
     EXPECT_TRUE(std::holds_alternative<GgxModel>(read.part[2]->model));
     for (const auto& [wl, wv] : random_pairs(200))
         for (int c = 0; c < 3; ++c)
-            EXPECT_PRED3(near, value(*again, wl, wv)[c], value(model, wl, wv)[c],
-                         1e-4 + 0.02 * double(value(model, wl, wv)[c]));
+            EXPECT_WITHIN(value(*again, wl, wv)[c], value(model, wl, wv)[c],
+                          1e-4 + 0.02 * double(value(model, wl, wv)[c]));
     for (std::size_t size = 0; size < bytes.size(); size += 7)
         EXPECT_FALSE(read_model(std::span(bytes).first(size), "m").ok());
 }
@@ -138,7 +138,7 @@ TEST(Bsdf, SamplesFollowTheDensity) {
                 ++lost;
                 continue;
             }
-            EXPECT_PRED3(near_relative, drawn.pdf, pdf(bsdf, drawn.wl, wv), 1e-3);
+            EXPECT_WITHIN_RELATIVE(drawn.pdf, pdf(bsdf, drawn.wl, wv), 1e-3);
             const ValuePdf both = value_pdf(bsdf, drawn.wl, wv);
             EXPECT_EQ(both.pdf, pdf(bsdf, drawn.wl, wv));
             EXPECT_EQ(both.value, value(bsdf, drawn.wl, wv));
@@ -147,7 +147,7 @@ TEST(Bsdf, SamplesFollowTheDensity) {
         }
         double mass = 0;
         for (double& m : expected) mass += m, m *= count;
-        EXPECT_PRED3(near, mass + double(beams + lost) / count, 1, 5e-3);
+        EXPECT_WITHIN(mass + double(beams + lost) / count, 1, 5e-3);
         // The expected counts are scaled to as many samples as were drawn.
         double drawn = 0, due = 0;
         for (std::size_t i = 0; i < observed.size(); ++i) drawn += observed[i], due += expected[i];
@@ -158,14 +158,14 @@ TEST(Bsdf, SamplesFollowTheDensity) {
         const auto each = [&](Vec3d w) { return double(value(bsdf, to_float(w), wv).r) * std::abs(w.z); };
         for (const double m : bins.masses(each, 48)) whole += m;
         const double mean = scattered / count, deviation = std::sqrt((squares / count - mean * mean) / count);
-        EXPECT_PRED3(near, mean, whole, 4 * deviation + 2e-3 * whole);
+        EXPECT_WITHIN(mean, whole, 4 * deviation + 2e-3 * whole);
         const Beams beam = full_bsdf().beam;
         const Vec3f from = mirror(wv);
         const bool front = theta < 90;
         const double of_beams =
             double(share_at(beam, front ? Part::reflection_front : Part::reflection_back, from).r) +
             double(share_at(beam, front ? Part::transmission_back : Part::transmission_front, from).r);
-        EXPECT_PRED3(near_relative, by_beam / count, of_beams, 0.03);
+        EXPECT_WITHIN_RELATIVE(by_beam / count, of_beams, 0.03);
     }
 }
 
@@ -198,10 +198,10 @@ TEST(Bsdf, ReadsCsvOfBothSides) {
     const auto measured = read_measured(as_bytes(text), "f");
     ASSERT_TRUE(measured.ok()) << message(measured.error());
     const Vec3f up{0, 0, 1}, down{0, 0, -1}, above{0, 0.6f, 0.8f}, below{0, 0.6f, -0.8f};
-    EXPECT_PRED3(near, value(*measured, up, above).r, 1, 1e-6);
-    EXPECT_PRED3(near, value(*measured, down, below).r, 2, 1e-6);
-    EXPECT_PRED3(near, value(*measured, up, below).r, 3, 1e-6);
-    EXPECT_PRED3(near, value(*measured, below, up).r, 3, 1e-6);  // follows from reciprocity
+    EXPECT_WITHIN(value(*measured, up, above).r, 1, 1e-6);
+    EXPECT_WITHIN(value(*measured, down, below).r, 2, 1e-6);
+    EXPECT_WITHIN(value(*measured, up, below).r, 3, 1e-6);
+    EXPECT_WITHIN(value(*measured, below, up).r, 3, 1e-6);  // follows from reciprocity
     // Without the comment values below the horizon are masked.
     const auto front = read_measured(as_bytes(text.substr(text.find('\n') + 1)), "f");
     ASSERT_TRUE(front.ok());

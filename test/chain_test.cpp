@@ -83,7 +83,7 @@ TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
 TEST_F(Chain, TexelsOfAMapAreNamedByNumberAndPlace) {
     const ProgramRun whole = run(folder, {"info", "map.srbf"});
     EXPECT_EQ(whole.status, 0) << whole.err;
-    EXPECT_NE(whole.out.find("1 × 2 texels of 2 shared lobes"), std::string::npos) << whole.out;
+    EXPECT_CONTAINS(whole.out, "1 × 2 texels of 2 shared lobes");
     ASSERT_TRUE(save_model(texel(map_, 1), folder / "m.srbf").ok());
     for (const char* name : {"map.srbf#1", "map.srbf#0,1"})
         EXPECT_EQ(run(folder, {"eval", name, "--pairs", "p.csv"}).out,
@@ -139,8 +139,7 @@ TEST_F(Chain, EvalReadsLinesOfAnyKind) {
     const std::string all = eval(many).out;
     EXPECT_EQ(std::ranges::count(all, '\n'), 60'001);
     write(folder / "q.csv", many + "x,0,0,2,0,0,1\n");
-    EXPECT_NE(run(folder, {"eval", "map.srbf#0", "--pairs", "q.csv"}).err.find("line 60002: direction wl"),
-              std::string::npos);
+    EXPECT_CONTAINS(run(folder, {"eval", "map.srbf#0", "--pairs", "q.csv"}).err, "line 60002: direction wl");
 }
 
 }  // namespace

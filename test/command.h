@@ -86,7 +86,7 @@ class CommandLine : public testing::Test {
         EXPECT_EQ(failed.out, "");
         EXPECT_TRUE(failed.err.starts_with("srbf: ")) << failed.err;
         EXPECT_EQ(failed.err.find('\n'), failed.err.size() - 1) << failed.err;
-        EXPECT_NE(failed.err.find(named), std::string::npos) << failed.err;
+        EXPECT_CONTAINS(failed.err, named);
         EXPECT_EQ(folder.files(), before);
     }
 

@@ -60,7 +60,7 @@ TEST_F(WithModel, export_writes_a_page_or_nothing) {
     const ProgramRun both = run(folder, page + Arguments{"--reference", k_paper, "-o", "both.html"});
     EXPECT_EQ(both.status, 0) << both.err;
     const std::string html = contents(folder / "both.html");
-    EXPECT_NE(html.find("<title>paper_white_rgb</title>"), html.npos);
+    EXPECT_CONTAINS(html, "<title>paper_white_rgb</title>");
     // The page shows the errors that `srbf compare` reports as held out.
     const auto measured = load_measured(k_paper);
     const auto model = load_model(*fitted / "m.srbf");
@@ -69,7 +69,7 @@ TEST_F(WithModel, export_writes_a_page_or_nothing) {
     const double error =
         measure_heldout(rgb_channels(evaluator(*measured)), rgb_channels(others), {89 * k_degree, 0})[0]
             .squared_error_ratio_cosine;
-    EXPECT_NE(html.find(fmt::format("<td>{:.3g} %</td>", 100 * error)), html.npos);
+    EXPECT_CONTAINS(html, fmt::format("<td>{:.3g} %</td>", 100 * error));
     EXPECT_LT(html.size(), 3'000'000u);
     EXPECT_LT(contents(folder / "alone.html").size(), html.size());
 
@@ -99,13 +99,13 @@ TEST_F(WithModel, export_writes_code_or_nothing) {
         EXPECT_EQ(result.err + result.out, "");
         const std::string text = contents(folder / (std::string("two.") + language));
         for (const char* name : {"m_brdf(", "m_2_brdf(", "two_pm_", "source paper_white_rgb.bsdf"})
-            EXPECT_NE(text.find(name), text.npos) << language << " " << name;
+            EXPECT_CONTAINS(text, name) << language;
     }
     const Arguments to{"--to", "c", "-o", "x.h"};
     const ProgramRun with_features = run(folder, start + to + Arguments{"--with", "sampling", "--with", "albedo"});
     EXPECT_EQ(with_features.status, 0) << with_features.err;
     for (const char* name : {"m_sample(", "m_albedo(", "m_2_sample(", "m_2_albedo("})
-        EXPECT_NE(contents(folder / "x.h").find(name), std::string::npos) << name;
+        EXPECT_CONTAINS(contents(folder / "x.h"), name);
     std::filesystem::remove(folder / "x.h");
     expect_failure(1, Arguments{"export", k_paper} + to, "expected a model, found a measurement");
     expect_failure(1, start + Arguments{"--to", "c", "-o", "missing/x.h"}, "missing");
@@ -127,9 +127,9 @@ TEST_F(WithModel, export_writes_a_map_or_nothing) {
         EXPECT_EQ(result.status, 0) << result.err;
         EXPECT_EQ(result.err + result.out, "");
     }
-    EXPECT_NE(contents(folder / "o.glsl").find("vec3 map_brdf(vec3 wl, vec3 wv, map_Coefficients "), std::string::npos);
+    EXPECT_CONTAINS(contents(folder / "o.glsl"), "vec3 map_brdf(vec3 wl, vec3 wv, map_Coefficients ");
     if (is_offered({"three"})) {
-        EXPECT_NE(contents(folder / "o.three").find("new URL('./map.ktx2', import.meta.url)"), std::string::npos);
+        EXPECT_CONTAINS(contents(folder / "o.three"), "new URL('./map.ktx2', import.meta.url)");
         EXPECT_EQ(contents(folder / "map.ktx2"), contents(folder / "o.ktx2"));
     }
     const Arguments code{"--to", "c", "-o", "x.h"}, layers{"--to", "ktx2", "-o", "x.ktx2"}, start{"export", "map.srbf"};
@@ -164,9 +164,9 @@ TEST_F(WithModel, info_gives_one_wavelength_no_colour) {
           "theta_l_deg,theta_v_deg,phi_v_deg,532nm\n10,10,180,0.5\n10,40,180,0.2\n40,40,180,0.6\n");
     const ProgramRun result = run(folder, {"info", "laser.csv"});
     EXPECT_EQ(result.status, 0) << result.err;
-    EXPECT_NE(result.out.find("value [1/sr]      0.2 to 0.6"), std::string::npos) << result.out;
-    EXPECT_NE(result.out.find("  albedo "), std::string::npos);
-    for (const char* word : {"albedo R", "[1/sr] R"}) EXPECT_EQ(result.out.find(word), std::string::npos) << word;
+    EXPECT_CONTAINS(result.out, "value [1/sr]      0.2 to 0.6");
+    EXPECT_CONTAINS(result.out, "  albedo ");
+    for (const char* word : {"albedo R", "[1/sr] R"}) EXPECT_LACKS(result.out, word);
 }
 
 TEST_F(WithModel, info_describes_files) {
@@ -174,11 +174,11 @@ TEST_F(WithModel, info_describes_files) {
     EXPECT_EQ(measured.status + model.status, 0) << measured.err << model.err;
     for (const char* word :
          {"RGL", "658,928 bytes", "masked entries", "albedo R", "  peak ", "reciprocity error", "smallest value"})
-        EXPECT_NE(measured.out.find(word), std::string::npos) << word;
-    EXPECT_NE(measured.out.find("more light than it receives at θv = 85°\n"),
-              std::string::npos);  // where the measurement is extrapolated
+        EXPECT_CONTAINS(measured.out, word);
+    EXPECT_CONTAINS(measured.out,
+                    "more light than it receives at θv = 85°\n");  // where the measurement is extrapolated
     for (const char* word : {"2 lobes × 2 variates", "paper_white_rgb.bsdf", "objective", "albedo R", "  peak "})
-        EXPECT_NE(model.out.find(word), std::string::npos) << word;
+        EXPECT_CONTAINS(model.out, word);
 }
 
 TEST_F(WithModel, info_warns_of_albedos_above_one) {
@@ -191,7 +191,7 @@ TEST_F(WithModel, info_warns_of_albedos_above_one) {
     EXPECT_EQ(info.status, 0) << info.err;
     for (const char* word : {"1.256", "warning", "more light than it receives at θv = 0°, 15°", "reciprocity error 0 %",
                              "smallest value    0.09998 1/sr"})
-        EXPECT_NE(info.out.find(word), std::string::npos) << word << info.out;
+        EXPECT_CONTAINS(info.out, word);
 }
 
 TEST_F(WithModel, eval_keeps_order_and_text_of_rows) {
@@ -239,8 +239,8 @@ TEST_F(WithModel, help_shows_an_example) {
         const ProgramRun help = run(folder, subcommand + Arguments{"--help"});
         EXPECT_EQ(help.status, 0);
         EXPECT_EQ(help.err, "");
-        EXPECT_NE(help.out.find("Example"), std::string::npos) << help.out;
-        EXPECT_NE(help.out.find("\n  srbf "), std::string::npos) << help.out;
+        EXPECT_CONTAINS(help.out, "Example");
+        EXPECT_CONTAINS(help.out, "\n  srbf ");
     }
     const ProgramRun version = run(folder, {"--version"});
     EXPECT_EQ(version.status, 0);
@@ -260,7 +260,7 @@ TEST_F(WithModel, completions_and_the_manual_agree_with_help) {
         std::size_t options = 0;
         for (std::sregex_iterator match(help.begin(), help.end(), option), end; match != end; ++match, ++options) {
             const std::string name = (*match)[1];
-            EXPECT_NE(bash.out.find(name), std::string::npos) << sub << " " << name;
+            EXPECT_CONTAINS(bash.out, name) << sub;
             EXPECT_NE(manual.out.find(name, section), std::string::npos) << sub << " " << name;
         }
         EXPECT_GE(options, 1u) << help;
@@ -268,7 +268,7 @@ TEST_F(WithModel, completions_and_the_manual_agree_with_help) {
     for (const char* shell : {"zsh", "fish"}) {
         const ProgramRun completion = run(folder, {"completion", shell});
         EXPECT_EQ(completion.status, 0);
-        EXPECT_NE(completion.out.find("max-memory"), std::string::npos) << shell;
+        EXPECT_CONTAINS(completion.out, "max-memory") << shell;
     }
     expect_failure(2, {"completion", "csh"}, "found csh");
 
@@ -317,11 +317,11 @@ TEST_F(WithModel, surfaces_are_exported_for_other_programs) {
     ASSERT_TRUE(save_model({rounded(surface), {{"source", "a--b.bsdf"}}}, folder / "s.srbf").ok());
     const std::string openpbr = exported("mtlx"), standard = exported("standard-surface"),
                       script = exported("principled");
-    EXPECT_NE(openpbr.find("name=\"thin_film_thickness\" type=\"float\" value=\"0.25\""), openpbr.npos) << openpbr;
-    EXPECT_NE(openpbr.find("name=\"specular_roughness\" type=\"float\" value=\"0.199951\""), openpbr.npos) << openpbr;
-    EXPECT_NE(standard.find("name=\"thin_film_thickness\" type=\"float\" value=\"250\""), standard.npos) << standard;
-    EXPECT_NE(script.find("\"Thin Film Thickness\": 250,"), script.npos) << script;
-    EXPECT_NE(exported("usd").find("inputs:thin_film_weight = 0.5"), std::string::npos);
+    EXPECT_CONTAINS(openpbr, "name=\"thin_film_thickness\" type=\"float\" value=\"0.25\"");
+    EXPECT_CONTAINS(openpbr, "name=\"specular_roughness\" type=\"float\" value=\"0.199951\"");
+    EXPECT_CONTAINS(standard, "name=\"thin_film_thickness\" type=\"float\" value=\"250\"");
+    EXPECT_CONTAINS(script, "\"Thin Film Thickness\": 250,");
+    EXPECT_CONTAINS(exported("usd"), "inputs:thin_film_weight = 0.5");
 
     // The script does not change variables of the script that runs it. A replacement for Blender's module records
     // the requests.
@@ -344,7 +344,7 @@ TEST_F(WithModel, surfaces_are_exported_for_other_programs) {
     const Json& material = gltf["materials"][0];
     EXPECT_EQ(material["extensions"]["KHR_materials_iridescence"]["iridescenceThicknessMaximum"], 250);
     // The coat widens the highlight of the base, as coats of other programs do not: (0.2⁴ + 2 · 0.5⁴)^(1/4).
-    EXPECT_PRED3(near, material["pbrMetallicRoughness"]["roughnessFactor"].get<double>(), 0.5955, 1e-3);
+    EXPECT_WITHIN(material["pbrMetallicRoughness"]["roughnessFactor"].get<double>(), 0.5955, 1e-3);
 
     // Binary glTF has a header, the text, and the same binary data as the other file.
     const std::string glb = exported("glb");
@@ -372,22 +372,21 @@ TEST_F(WithModel, anisotropic_surfaces_are_exported_for_other_programs) {
     surface.specular_roughness_anisotropy = 0.5f, surface.specular_rotation = 0.125f;
     ASSERT_TRUE(save_model({surface, {}}, folder / "s.srbf").ok());
     const std::string openpbr = exported("mtlx"), usd = exported("usd"), script = exported("principled");
-    EXPECT_NE(openpbr.find("name=\"amount\" type=\"float\" value=\"-45\""), openpbr.npos) << openpbr;
-    EXPECT_NE(openpbr.find("name=\"geometry_tangent\""), openpbr.npos) << openpbr;
-    EXPECT_NE(usd.find("inputs:geometry_tangent.connect"), usd.npos) << usd;
+    EXPECT_CONTAINS(openpbr, "name=\"amount\" type=\"float\" value=\"-45\"");
+    EXPECT_CONTAINS(openpbr, "name=\"geometry_tangent\"");
+    EXPECT_CONTAINS(usd, "inputs:geometry_tangent.connect");
     // α along the tangent is .25 √(2 / 1.25) = .316228, and half of it across.
-    EXPECT_NE(script.find("\"Roughness\": 0.472871,"), script.npos)
-        << script;  // the square root of √(.316228 · .158114)
-    EXPECT_NE(script.find("\"Anisotropic\": 0.555556,"), script.npos) << script;  // (1 − ½) / .9
+    EXPECT_CONTAINS(script, "\"Roughness\": 0.472871,") << script;    // the square root of √(.316228 · .158114)
+    EXPECT_CONTAINS(script, "\"Anisotropic\": 0.555556,") << script;  // (1 − ½) / .9
 
     const Json gltf = Json::parse(exported("gltf"));
     const Json& material = gltf["materials"][0];
     const Json& anisotropy = material["extensions"]["KHR_materials_anisotropy"];
     const double roughness = material["pbrMetallicRoughness"]["roughnessFactor"].get<double>(),
                  strength = anisotropy["anisotropyStrength"].get<double>(), across = roughness * roughness;
-    EXPECT_PRED3(near, across, 0.158114, 1e-5);
-    EXPECT_PRED3(near, across + strength * strength * (1 - across), 0.316228, 1e-5);
-    EXPECT_PRED3(near, anisotropy["anisotropyRotation"].get<double>(), k_pi / 4, 1e-5);
+    EXPECT_WITHIN(across, 0.158114, 1e-5);
+    EXPECT_WITHIN(across + strength * strength * (1 - across), 0.316228, 1e-5);
+    EXPECT_WITHIN(anisotropy["anisotropyRotation"].get<double>(), k_pi / 4, 1e-5);
     const Json& tangents =
         gltf["accessors"][gltf["meshes"][0]["primitives"][0]["attributes"]["TANGENT"].get<std::size_t>()];
     EXPECT_EQ(tangents["count"], gltf["accessors"][0]["count"]);
@@ -408,10 +407,10 @@ TEST_F(WithModel, mbsdf_files_are_read_with_their_transmission) {
     EXPECT_EQ(contents(folder / "copy.mbsdf"), text_of(grey_mbsdf()));
     const ProgramRun with = run(folder, {"info", "t.mbsdf"}), without = run(folder, {"info", "r.mbsdf"});
     EXPECT_EQ(with.err, "");
-    EXPECT_NE(with.out.find("transmission_front\n"), std::string::npos) << with.out;
-    EXPECT_NE(with.out.find("dimensions        2 θl × 2 θv × 3 φ, grey\n"), std::string::npos) << with.out;
+    EXPECT_CONTAINS(with.out, "transmission_front\n");
+    EXPECT_CONTAINS(with.out, "dimensions        2 θl × 2 θv × 3 φ, grey\n");
     EXPECT_EQ(without.err, "");
-    EXPECT_NE(without.out.find("material          blue \"paint\"\n"), std::string::npos) << without.out;
+    EXPECT_CONTAINS(without.out, "material          blue \"paint\"\n");
     // Anisotropic measurements are rejected.
     write(folder / "a.bsdf", text_of(tensor_file(anisotropic_rgl())));
     expect_failure(1, {"convert", "a.bsdf", "-o", "a.mbsdf"},

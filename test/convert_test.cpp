@@ -199,16 +199,16 @@ TEST(Convert, RglFilesKeepTheInvariantsOfTheFormat) {
     const auto ndf = written.floats("ndf"), sigma = written.floats("sigma"), vndf = written.floats("vndf"),
                luminances = written.floats("luminance"), rgb = written.floats("rgb"), theta = written.floats("theta_i");
     EXPECT_EQ(theta.front(), 0);
-    EXPECT_PRED3(near, theta.back(), k_pi / 2, 1e-6);
+    EXPECT_WITHIN(theta.back(), k_pi / 2, 1e-6);
     for (std::size_t i = 0; i < 256; ++i) EXPECT_EQ(ndf[i], ndf[256 + i]);
     // The projected area of the normals seen from above is 1: σ(0) = ∫ D cos = 1.
-    EXPECT_PRED3(near, sigma[0], 1, 1e-4);
+    EXPECT_WITHIN(sigma[0], 1, 1e-4);
     double area = 0;
     for (int i = 0; i < 100000; ++i) {
         const double u = (i + 0.5) / 100000, t = u * u * k_pi / 2;
         area += double(at(table.ndf, float(u))) * std::cos(t) * std::sin(t) * 2 * k_pi * k_pi * u / 100000;
     }
-    EXPECT_PRED3(near, area, 1, 1e-3);
+    EXPECT_WITHIN(area, 1, 1e-3);
     for (std::size_t slice = 0; slice < 10; ++slice) {
         // vndf integrates to 1 over its cells. It is proportional to D(m) max(0, m·ωl) sinθ u within the slice.
         std::vector<double> expected(128 * 128);
@@ -223,9 +223,9 @@ TEST(Convert, RglFilesKeepTheInvariantsOfTheFormat) {
             expected_sum += cell_area * expected[i];
         }
         for (std::size_t i = 0; i < expected.size(); ++i)
-            EXPECT_PRED3(near, double(vndf[slice * expected.size() + i]) * expected_sum, expected[i],
-                         1e-5 * (expected[i] + 1e-2));
-        EXPECT_PRED3(near, sum, 1, 1e-5);
+            EXPECT_WITHIN(double(vndf[slice * expected.size() + i]) * expected_sum, expected[i],
+                          1e-5 * (expected[i] + 1e-2));
+        EXPECT_WITHIN(sum, 1, 1e-5);
         // Luminance is the Rec. 709 luminance of the colours, or 0 where samples would be lost.
         double luminance_sum = 0;
         for (std::size_t i = 0; i < 48 * 48; ++i) {
@@ -273,8 +273,8 @@ TEST(Convert, RglFilesHoldTheSameMaterialAsColoursAndSpectra) {
         const Vec3f wl = to_float(random_direction(random, 0.05)), wv = to_float(random_direction(random, 0.05));
         const Rgb f = value(table, wl, wv), g = value(*rgb, wl, wv), h = value(*spectral, wl, wv);
         for (int c = 0; c < 3; ++c) {
-            EXPECT_PRED3(near, g[c], f[c], 1e-4 * (double(f[c]) + 1e-2));
-            EXPECT_PRED3(near, h[c], f[c], 1e-4 * (double(f[c]) + 1e-2));
+            EXPECT_WITHIN(g[c], f[c], 1e-4 * (double(f[c]) + 1e-2));
+            EXPECT_WITHIN(h[c], f[c], 1e-4 * (double(f[c]) + 1e-2));
         }
     }
 }
@@ -286,10 +286,10 @@ TEST(Convert, ReflectanceSpectraHaveTheirColour) {
         const Rgb colour{float(uniform(random)), float(uniform(random)), float(uniform(random))};
         const auto spectrum = reflectance_spectrum(colour);
         const Rgb result = to_rgb(spectrum, weights);
-        for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, result[c], colour[c], 3e-6);
+        for (int c = 0; c < 3; ++c) EXPECT_WITHIN(result[c], colour[c], 3e-6);
         for (const float r : spectrum) EXPECT_TRUE(r >= 0 && r <= 1);
     }
-    for (const float r : reflectance_spectrum({1, 1, 1})) EXPECT_PRED3(near, r, 1, 2e-6);
+    for (const float r : reflectance_spectrum({1, 1, 1})) EXPECT_WITHIN(r, 1, 2e-6);
 }
 
 TEST(Convert, WarpUndoesUnwarp) {
@@ -302,9 +302,9 @@ TEST(Convert, WarpUndoesUnwarp) {
             const Warped u = warp(table.visible, slice, x, y);
             const Warped w = unwarp(table.visible, Slices{slice, slice, 0}, u.x, u.y);
             if (u.density < 1e-2f) continue;  // where the density vanishes, many points map to one
-            EXPECT_PRED3(near, w.x, x, 1e-3);
-            EXPECT_PRED3(near, w.y, y, 1e-4);
-            EXPECT_PRED3(near_relative, w.density, u.density, 1e-2);
+            EXPECT_WITHIN(w.x, x, 1e-3);
+            EXPECT_WITHIN(w.y, y, 1e-4);
+            EXPECT_WITHIN_RELATIVE(w.density, u.density, 1e-2);
         }
 }
 
@@ -362,7 +362,7 @@ TEST(Convert, RglFilesAreSampledWell) {
         // The estimate is unbiased: the mean weight is the albedo.
         const Rgb reference_albedo =
             albedo([&](auto a, auto b, auto f) { return evaluator(measured)(b, a, f); }, quality.theta, k_pi / 2);
-        EXPECT_PRED3(near_relative, quality.albedo, luminance(reference_albedo), 0.02) << name;
+        EXPECT_WITHIN_RELATIVE(quality.albedo, luminance(reference_albedo), 0.02) << name;
     }
 }
 
@@ -376,8 +376,8 @@ TEST(Convert, SamplesSurviveARoundTrip) {
     for (std::size_t i = 0; i < spectral.wl.size(); ++i)
         for (int k = 0; k < 3; ++k) {
             const auto component = [&](Vec3f w) { return k == 0 ? w.x : k == 1 ? w.y : w.z; };
-            EXPECT_PRED3(near, component(reread->wl[i]), component(spectral.wl[i]), 1e-6);
-            EXPECT_PRED3(near, component(reread->wv[i]), component(spectral.wv[i]), 1e-6);
+            EXPECT_WITHIN(component(reread->wl[i]), component(spectral.wl[i]), 1e-6);
+            EXPECT_WITHIN(component(reread->wv[i]), component(spectral.wv[i]), 1e-6);
         }
 
     const PmModel model = glossy();
@@ -385,7 +385,7 @@ TEST(Convert, SamplesSurviveARoundTrip) {
     ASSERT_EQ(samples.wl.size(), 400u);
     for (std::size_t i = 0; i < samples.wl.size(); ++i)
         for (int c = 0; c < 3; ++c)
-            EXPECT_PRED3(near_relative, samples.colour[i][c], value(model, samples.wl[i], samples.wv[i])[c], 1e-4);
+            EXPECT_WITHIN_RELATIVE(samples.colour[i][c], value(model, samples.wl[i], samples.wv[i])[c], 1e-4);
     const auto colours = read_csv(as_bytes(write_csv(samples)), "m", {});
     ASSERT_TRUE(colours.ok()) << message(colours.error());
     EXPECT_EQ(colours->colour, samples.colour);
@@ -423,7 +423,7 @@ TEST(Convert, SpectraAreKept) {
         spectra(std::get<PmModel>(model.model)).evaluate({&wl, 1}, {&wv, 1}, exact);
         spectra(*read).evaluate({&wl, 1}, {&wv, 1}, table);
         for (std::size_t c = 0; c < 5; ++c) {
-            EXPECT_PRED3(near, wavelengths(*read)[c], wavelengths(model)[c], 1e-3);
+            EXPECT_WITHIN(wavelengths(*read)[c], wavelengths(model)[c], 1e-3);
             EXPECT_TRUE(format.name != "RGL" || near_relative(table[c], exact[c], 0.02)) << table[c] << ' ' << exact[c];
         }
     }

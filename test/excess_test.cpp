@@ -35,7 +35,7 @@ PmModel with_spike() {
 TEST(Excess, IsFoundWhereItIs) {
     const Observations o = grey();
     const double largest = largest_measured(o);
-    EXPECT_TRUE(near(largest, 0.3, 1e-3));  // at the normal
+    EXPECT_WITHIN(largest, 0.3, 1e-3);  // at the normal
     const std::vector<std::size_t> where = exceeded_pairs(o, 4096, with_spike(), largest);
     ASSERT_FALSE(where.empty());
     std::size_t next = 0, expected = 0;
@@ -63,7 +63,7 @@ TEST(Excess, ChecksBecomeObservationsAndThenWeighMore) {
         const auto cosine = [](float z) { return std::max(double(z), k_brink_cosine); };
         EXPECT_GT(double(value(with_spike(), o.wl[i], o.wv[i]).r) * cosine(o.wl[i].z) * cosine(o.wv[i].z),
                   1.6 * largest * (1 - 1e-5));
-        EXPECT_TRUE(near_relative(o.weight[i], bound_weight(o, i, 0.01, largest), 1e-12));
+        EXPECT_WITHIN_RELATIVE(o.weight[i], bound_weight(o, i, 0.01, largest), 1e-12);
         weight.push_back(o.weight[i]);
     }
     EXPECT_EQ(add_exceeded_pairs(o, first, with_spike(), 0.01), taken);
@@ -83,11 +83,11 @@ TEST(Subsets, TakeInWhereCandidatesExceedTheMeasurement) {
         subsets.add_exceeded_pairs({candidate}, shape_of(options));
         return rows();
     };
-    EXPECT_EQ(with({0, 0, 0}), before);                         // the constant
-    EXPECT_TRUE(near(subsets.integral_importance(), 0, 1e-6));  // which leaves no loss
+    EXPECT_EQ(with({0, 0, 0}), before);                     // the constant
+    EXPECT_WITHIN(subsets.integral_importance(), 0, 1e-6);  // which leaves no loss
     // A lobe of a quarter of a degree, as large as the constant where it is seen first, a degree from its centre.
     EXPECT_GT(with(60000.0 * spherical(0.7, 1.3)), before);
-    EXPECT_TRUE(near(subsets.integral_importance(), 0.004 / 0.03, 1e-6));  // no more than a loss of 0.004 counts
+    EXPECT_WITHIN(subsets.integral_importance(), 0.004 / 0.03, 1e-6);  // no more than a loss of 0.004 counts
 }
 
 }  // namespace

@@ -185,7 +185,7 @@ TEST_F(Failures, KilledRunsResume) {
                 if (name.ends_with(".srbf")) {
                     EXPECT_EQ(contents(folder / name), content) << name;
                 }
-            EXPECT_NE(run(folder, many_.arguments).out.find("2 kept"), std::string::npos);
+            EXPECT_CONTAINS(run(folder, many_.arguments).out, "2 kept");
             if (calls) break;  // the run was not killed
         }
 }
@@ -233,9 +233,9 @@ TEST_F(Failures, AReportBelongsToItsModel) {
     ASSERT_EQ(run(folder, start + Arguments{"a.binary"}).status, 0);
     ASSERT_EQ(run(folder, start + Arguments{"b.binary"}).status, 0);
     const std::string model = contents(folder / "models/a.srbf");
-    EXPECT_NE(run(folder, start + Arguments{"a.binary"}).out.find("1 kept"), std::string::npos);
+    EXPECT_CONTAINS(run(folder, start + Arguments{"a.binary"}).out, "1 kept");
     fs::copy(folder / "models/b.srbf", folder / "models/a.srbf", fs::copy_options::overwrite_existing);
-    EXPECT_NE(run(folder, start + Arguments{"a.binary"}).out.find("0 kept"), std::string::npos);
+    EXPECT_CONTAINS(run(folder, start + Arguments{"a.binary"}).out, "0 kept");
     EXPECT_EQ(contents(folder / "models/a.srbf"), model);
     const Json report = Json::parse(contents(folder / "models/a.json"), nullptr, false);
     EXPECT_EQ(report.value("model_hash", ""), hash_of(model));

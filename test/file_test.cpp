@@ -32,7 +32,7 @@ void expect_error(const Error& error, const std::string& path) {
     EXPECT_EQ(error.source, path);
     EXPECT_FALSE(error.what.empty());
     EXPECT_FALSE(error.found.empty());
-    EXPECT_EQ(message(error).find('\n'), std::string::npos);
+    EXPECT_LACKS(message(error), "\n");
 }
 
 TEST_F(File, ReadsBackWhatWasWritten) {

@@ -78,13 +78,13 @@ void expect_good(const std::array<Evaluate, k_parts>& parts, bool sides_are_alik
     ASSERT_TRUE(fitted.ok()) << message(fitted.error());
     EXPECT_LE(payload_bytes(fitted->model), 400u);
     for (const PartFit& part : fitted->parts) {
-        EXPECT_PRED3(near, part.squared_error_ratio, 0, 0.005) << name(part.part);
+        EXPECT_WITHIN(part.squared_error_ratio, 0, 0.005) << name(part.part);
         EXPECT_EQ(part.answered_by.has_value(), is_back(part.part) && (sides_are_alike || is_transmission(part.part)));
         for (const Hemispherical& sum : part.hemispherical)
-            EXPECT_PRED3(near, sum.fitted, sum.measured, std::max(0.02 * sum.measured, 0.005))
+            EXPECT_WITHIN(sum.fitted, sum.measured, std::max(0.02 * sum.measured, 0.005))
                 << name(part.part) << " " << sum.theta / k_degree;
     }
-    EXPECT_PRED3(near, fitted->most_fitted, fitted->most_measured, 0.01);
+    EXPECT_WITHIN(fitted->most_fitted, fitted->most_measured, 0.01);
     EXPECT_LE(fitted->most_fitted, 1.01);
     EXPECT_GT(expect_furnace(fitted->model), 0.1);
 }

@@ -28,16 +28,14 @@ TEST_F(Command, fit_writes_model_picture_and_report) {
         "channels": 3, "objective": "appearance", "max_theta": 89.0, "raw_bytes": 28311552, "auxiliary_bytes": 0, "seed": 0,
         "threads": 1, "masked_samples": 0, "clamped_samples": 0})");
     EXPECT_EQ(json.value("payload_bytes", std::size_t(0)), payload_bytes(pm));
-    EXPECT_NE(first.out.find(fmt::format("  stored    48 bytes (file {}), source file 658,928 bytes, 1 : 13,727\n",
-                                         contents(*fitted / "m.srbf").size())),
-              std::string::npos)
-        << first.out;
+    EXPECT_CONTAINS(first.out, fmt::format("  stored    48 bytes (file {}), source file 658,928 bytes, 1 : 13,727\n",
+                                           contents(*fitted / "m.srbf").size()));
     for (const auto& [key, value] : expected.items()) EXPECT_EQ(json.value(key, Json()), value) << key;
     EXPECT_GT(json.value("fit_seconds", 0.0), 0.0);
     EXPECT_GT(json.value("load_seconds", 0.0), 0.0);
     EXPECT_NE(json.value("stop_reason", ""), "");
     EXPECT_EQ(json.value("peak", ""), "none");  // paper is matte
-    EXPECT_NE(first.out.find("  peak      no highlight (matte)"), std::string::npos);
+    EXPECT_CONTAINS(first.out, "  peak      no highlight (matte)");
     Arguments names{"albedo_error"};
     for (const std::string& name : k_measure_names) names = names + Arguments{name, "heldout_" + name};
     for (const std::string& name : names) {
@@ -83,13 +81,11 @@ TEST_F(Command, fit_of_many_files_is_that_of_each) {
     EXPECT_EQ(result.status, 1);
     // Each file has a line on standard output or error, in order. A failure does not stop the other files.
     EXPECT_LT(result.out.find("\nsmall  "), result.out.find("\npaper_white_rgb  ")) << result.out;
-    EXPECT_NE(result.out.find("2 fitted"), result.out.npos) << result.out;
-    EXPECT_NE(result.out.find("0 kept; 4 failed"), result.out.npos) << result.out;
+    EXPECT_CONTAINS(result.out, "2 fitted");
+    EXPECT_CONTAINS(result.out, "0 kept; 4 failed");
     EXPECT_EQ(std::ranges::count(result.err, '\n'), 4) << result.err;
     EXPECT_LT(result.err.find("broken.binary"), result.err.find("missing"));
-    EXPECT_NE(result.err.find("small.bsdf: model: expected a name of its own, found that of small.binary"),
-              result.err.npos)
-        << result.err;
+    EXPECT_CONTAINS(result.err, "small.bsdf: model: expected a name of its own, found that of small.binary");
     const std::string models = folder / "new/models/";
     EXPECT_EQ(contents(models + "paper_white_rgb.srbf"), contents(*fitted / "m.srbf"));
     EXPECT_EQ(without_durations(Json::parse(contents(models + "paper_white_rgb.json"), nullptr, false)),
@@ -101,17 +97,17 @@ TEST_F(Command, fit_of_many_files_is_that_of_each) {
     write(models + "small.srbf", small.substr(0, small.size() / 2));
     const auto written = std::filesystem::last_write_time(models + "paper_white_rgb.srbf");
     const ProgramRun resumed = run(folder, arguments + Arguments{"--resume"});
-    EXPECT_NE(resumed.out.find("1 fitted"), resumed.out.npos) << resumed.out;
-    EXPECT_NE(resumed.out.find("1 kept; 4 failed"), resumed.out.npos) << resumed.out;
+    EXPECT_CONTAINS(resumed.out, "1 fitted");
+    EXPECT_CONTAINS(resumed.out, "1 kept; 4 failed");
     EXPECT_EQ(contents(models + "small.srbf"), small);
     EXPECT_EQ(std::filesystem::last_write_time(models + "paper_white_rgb.srbf"), written);
     // It does not keep models made with other options or from another measurement.
     const Arguments resume{"fit", "small.binary", "-o", "new/models", "--resume", "--variates", "2"};
-    EXPECT_NE(run(folder, resume + Arguments{"--lobes", "1"}).out.find("1 fitted"), std::string::npos);
-    EXPECT_NE(run(folder, resume + Arguments{"--lobes", "1"}).out.find("1 kept"), std::string::npos);
+    EXPECT_CONTAINS(run(folder, resume + Arguments{"--lobes", "1"}).out, "1 fitted");
+    EXPECT_CONTAINS(run(folder, resume + Arguments{"--lobes", "1"}).out, "1 kept");
     write(folder / "small.binary",
           text_of(merl_file({9, 6, 8}, [](int h, int, int, int) { return 0.2 + 1.0 / (h + 1); })));
-    EXPECT_NE(run(folder, resume + Arguments{"--lobes", "1"}).out.find("1 fitted"), std::string::npos);
+    EXPECT_CONTAINS(run(folder, resume + Arguments{"--lobes", "1"}).out, "1 fitted");
 }
 
 /// `count` samples of a smooth BRDF at random pairs of directions, as CSV.
@@ -170,7 +166,7 @@ TEST_F(Command, fit_takes_spectra) {
     EXPECT_EQ(json.value("raw_bytes", 0), 8 * 8 * 7 * 5 * 4);
     EXPECT_LT(json.value("squared_error_ratio", 1.0), 0.02);
     EXPECT_LT(json.value("heldout_squared_error_ratio", 1.0), 0.03);
-    EXPECT_NE(run(folder, {"info", "s.srbf"}).out.find("5, 400 to 700 nm"), std::string::npos);
+    EXPECT_CONTAINS(run(folder, {"info", "s.srbf"}).out, "5, 400 to 700 nm");
 
     // The model is evaluated at wavelengths unless colours are requested, the measurement only on request.
     write(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0.6,0,0.8\n0.6,0,0.8,-0.6,0,0.8\n");
@@ -185,7 +181,7 @@ TEST_F(Command, fit_takes_spectra) {
         ASSERT_TRUE(samples.ok());
         ASSERT_EQ(samples->spectrum.size(), 10u);
         for (std::size_t c = 0; c < 5; ++c)
-            EXPECT_PRED3(near, samples->spectrum[5 + c], 0.02 * double(c + 1) + 0.3, 0.06) << c;
+            EXPECT_WITHIN(samples->spectrum[5 + c], 0.02 * double(c + 1) + 0.3, 0.06) << c;
     }
     for (const Arguments& arguments : {Arguments{"s.brdf"}, {"s.srbf", "--channels", "rgb"}}) {
         const ProgramRun eval = run(folder, Arguments{"eval", "--pairs", "p.csv"} + arguments);
@@ -248,7 +244,7 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
     const ProgramRun info = run(folder, {"info", "su.srbf"});
     EXPECT_EQ(info.status, 0);
     for (const char* word : {"2 lobes × 200 sampled directions", "4,800 bytes", "parabolic", "albedo R"})
-        EXPECT_NE(info.out.find(word), std::string::npos) << word;
+        EXPECT_CONTAINS(info.out, word);
 
     write(folder / "pairs.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0.6,0.8,0,0,1\n");
     const ProgramRun eval = run(folder, {"eval", "su.srbf", "--pairs", "pairs.csv"});
@@ -256,8 +252,7 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
     std::vector<Rgb> f(1);
     const Vec3f wl[] = {{0, 0.6f, 0.8f}}, wv[] = {{0, 0, 1}};
     evaluator (*model)(wl, wv, f);
-    EXPECT_NE(eval.out.find(fmt::format("0,0,1,{:.9g},{:.9g},{:.9g}\n", f[0].r, f[0].g, f[0].b)), std::string::npos)
-        << eval.out;
+    EXPECT_CONTAINS(eval.out, fmt::format("0,0,1,{:.9g},{:.9g},{:.9g}\n", f[0].r, f[0].g, f[0].b));
 }
 
 TEST_F(Command, fit_su_refuses) {

@@ -106,8 +106,8 @@ TEST(Fit, DoesNotDependOnTheUnitOfTheData) {
         ASSERT_TRUE(fit) << unit;
         losses.push_back(fit->unrounded_loss);
     }
-    EXPECT_TRUE(near_relative(losses[0], losses[1], 1e-3));
-    EXPECT_TRUE(near_relative(losses[2], losses[1], 1e-3));
+    EXPECT_WITHIN_RELATIVE(losses[0], losses[1], 1e-3);
+    EXPECT_WITHIN_RELATIVE(losses[2], losses[1], 1e-3);
 }
 
 /// The fit of a bundled material with default options, computed once.
@@ -216,9 +216,9 @@ TEST(Fit, ReciprocalMeanIsWeightedByTheCosines) {
     const std::vector<Vec3f> wl{a, b, c, a}, wv{b, a, a, c};
     std::vector<Rgb> mean(4);
     reciprocal_mean(f)(wl, wv, mean);
-    for (int k = 0; k < 3; ++k) EXPECT_TRUE(near_relative(mean[0][k], mean[1][k], 1e-6));
-    EXPECT_TRUE(near_relative(mean[0].r, 2 / (a.z + b.z), 1e-5));  // (1 + 1) / (cosθv + cosθl)
-    EXPECT_TRUE(near_relative(mean[0].g, a.z * b.z, 1e-5));
+    for (int k = 0; k < 3; ++k) EXPECT_WITHIN_RELATIVE(mean[0][k], mean[1][k], 1e-6);
+    EXPECT_WITHIN_RELATIVE(mean[0].r, 2 / (a.z + b.z), 1e-5);  // (1 + 1) / (cosθv + cosθl)
+    EXPECT_WITHIN_RELATIVE(mean[0].g, a.z * b.z, 1e-5);
     EXPECT_EQ(mean[2].b, 1);
     EXPECT_EQ(mean[3].b, 1);
     std::vector<float> channels(12);

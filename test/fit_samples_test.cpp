@@ -188,7 +188,7 @@ TEST(Folds, FewGroupsAreAnError) {
     make_index(samples);
     const auto fold = assign_folds(samples, k_cap, 0);
     ASSERT_FALSE(fold.ok());
-    EXPECT_NE(message(fold.error()).find("expected at least 5, found 4"), std::string::npos) << message(fold.error());
+    EXPECT_CONTAINS(message(fold.error()), "expected at least 5, found 4");
 }
 
 TEST(FitToSamples, NoiseIsNotFitted) {
@@ -229,7 +229,7 @@ TEST(FitToSamples, AveragesValuesAtTheSameDirections) {
     const auto fit = fit_pm(*observations, sample_options);
     ASSERT_TRUE(fit.ok());
     const Measures errors = errors_at(samples, samples.colour, evaluator(fit->model), k_cap);
-    EXPECT_TRUE(near(errors.squared_error_ratio, 0.01 / 1.01, 0.001)) << errors.squared_error_ratio;
+    EXPECT_WITHIN(errors.squared_error_ratio, 0.01 / 1.01, 0.001);
 }
 
 TEST(FitToSamples, StaysBoundedOutsideThePlaneOfItsSamples) {
@@ -302,8 +302,8 @@ TEST(GapFilledSamples, MatchTheSamplesAndAreBoundedElsewhere) {
         if (std::min(wl.z, wv.z) < sample_cap(k_cap)) continue;
         for (int c = 0; c < 3; ++c) {
             const double f = double(samples.colour[i][c]);
-            EXPECT_TRUE(near(double(value(*completed, wl, wv)[c]), f, 1e-3 * f));
-            EXPECT_TRUE(near(double(value(*completed, wv, wl)[c]), f, 1e-3 * f));
+            EXPECT_WITHIN(double(value(*completed, wl, wv)[c]), f, 1e-3 * f);
+            EXPECT_WITHIN(double(value(*completed, wv, wl)[c]), f, 1e-3 * f);
             peak = std::max(peak, f * double(wl.z) * double(wv.z));
         }
     }
@@ -323,7 +323,8 @@ TEST(GapFilledSamples, MatchTheSamplesAndAreBoundedElsewhere) {
     }
     const auto one_lobe = fill_gaps(samples, k_cap, 0, true);
     ASSERT_TRUE(one_lobe.ok());
-    EXPECT_TRUE(near(one_lobe->prior_limit, 1.6 * peak, 1e-5 * peak) && one_lobe->least_bound == one_lobe->prior_limit);
+    EXPECT_WITHIN(one_lobe->prior_limit, 1.6 * peak, 1e-5 * peak);
+    EXPECT_EQ(one_lobe->least_bound, one_lobe->prior_limit);
 }
 
 TEST(GapFilledSamples, RecoverAMicrofacetModel) {
@@ -391,7 +392,7 @@ TEST(GapFilledSamples, HaveNoHighlightForAMatteSurface) {
                     const Rgb f = value(*completed, to_float(spherical(theta * k_degree, k_pi)),
                                         to_float(spherical(theta * k_degree, 0.0)));
                     for (int c = 0; c < 3; ++c)
-                        EXPECT_TRUE(near(double(f[c]), lambert[c], 3 * noise * lambert[c])) << seed << ' ' << theta;
+                        EXPECT_WITHIN(double(f[c]), lambert[c], 3 * noise * lambert[c]) << seed << ' ' << theta;
                 }
             }
 }
@@ -408,7 +409,7 @@ TEST(GapFilledSamples, KeepAConstant) {
         ASSERT_TRUE(completed.ok());
         for (int i = 0; i < 15; ++i) {
             const Vec3f wl = to_float(spherical(0.1 * i, 1.0 * i)), wv = to_float(spherical(0.1 * i, 0.0));
-            EXPECT_PRED3(near, value(*completed, wl, wv).g, 0.2, 1e-3) << i;
+            EXPECT_WITHIN(value(*completed, wl, wv).g, 0.2, 1e-3) << i;
         }
     }
 }
@@ -427,7 +428,7 @@ TEST(FitToSamples, IsJudgedAtItsSamplesToo) {
     errors.appearance.mean.delta_e = 5, errors.heldout_appearance->mean.delta_e = 4;
     errors.matrix.log10_rms = errors.heldout.log10_rms = 0.44;
     EXPECT_EQ(judged(errors).mean.delta_e, 5);
-    EXPECT_EQ(headline(errors).find("apart"), std::string::npos) << headline(errors);
+    EXPECT_LACKS(headline(errors), "apart");
     errors.matrix.log10_rms = 1.17;
     const auto ends =
         "3 at the samples; RMS of log10 f 1.17 at the samples, 0.44 in cross-validation, more than a factor of two "
@@ -450,10 +451,10 @@ TEST(FitToSamples, HasNoHighlightForAMatteSurface) {
             const auto fit = fit_pm(*observations, sample_options);
             ASSERT_TRUE(fit.ok());
             for (int theta = 0; theta <= 75; theta += 5)
-                EXPECT_TRUE(near(double(value(fit->model, to_float(spherical(theta * k_degree, k_pi)),
-                                              to_float(spherical(theta * k_degree, 0.0)))
-                                            .g),
-                                 0.13, 3 * noise * 0.13))
+                EXPECT_WITHIN(double(value(fit->model, to_float(spherical(theta * k_degree, k_pi)),
+                                           to_float(spherical(theta * k_degree, 0.0)))
+                                         .g),
+                              0.13, 3 * noise * 0.13)
                     << seed << ' ' << theta;
         }
 }
@@ -495,9 +496,9 @@ TEST(GapFilledSamples, BoundRoughnessByTheirHalfVectors) {
         return least_roughness(wl, wv);
     };
     const double tan2 = std::tan(2 * k_degree), tan12 = std::tan(12 * k_degree);
-    EXPECT_TRUE(near(least_roughness_of({5, 2, 7}), tan2, 1e-6));             // where GGX is a quarter of its peak
-    EXPECT_TRUE(near(least_roughness_of({0, 0, 0.1, 12}), tan12 / 4, 1e-6));  // the peak itself was measured
-    EXPECT_TRUE(near(least_roughness_of({2, 12}), std::max(tan2, tan12 / 4), 1e-6));
+    EXPECT_WITHIN(least_roughness_of({5, 2, 7}), tan2, 1e-6);             // where GGX is a quarter of its peak
+    EXPECT_WITHIN(least_roughness_of({0, 0, 0.1, 12}), tan12 / 4, 1e-6);  // the peak itself was measured
+    EXPECT_WITHIN(least_roughness_of({2, 12}), std::max(tan2, tan12 / 4), 1e-6);
     EXPECT_EQ(least_roughness_of({}), 0);
 }
 
@@ -639,16 +640,14 @@ TEST(FitToSamples, TooFewOrUnusableSamplesAreAnError) {
         const auto fit = fit_pm(*observations, sample_options);
         return fit ? std::string() : message(fit.error());
     };
-    EXPECT_NE(error_message(samples_of(20, 0, 9), 8).find("samples: expected at least 96 values, found 60"),
-              std::string::npos)
-        << error_message(samples_of(20, 0, 9), 8);
+    EXPECT_CONTAINS(error_message(samples_of(20, 0, 9), 8), "samples: expected at least 96 values, found 60");
     EXPECT_EQ(error_message(samples_of(40, 0, 9), 2), "");
     ScatteredSamples black = samples_of(40, 0, 9);
     for (Rgb& f : black.colour) f = {0, -1, 0};
-    EXPECT_NE(error_message(black, 1).find("some above 0"), std::string::npos);
+    EXPECT_CONTAINS(error_message(black, 1), "some above 0");
     ScatteredSamples grazing = samples_of(40, 0, 9);
     for (Vec3f& w : grazing.wl) w = to_float(spherical(88 * k_degree, 1.0));
-    EXPECT_NE(error_message(grazing, 1).find("within the largest angle"), std::string::npos);
+    EXPECT_CONTAINS(error_message(grazing, 1), "within the largest angle");
 }
 
 }  // namespace

@@ -153,7 +153,7 @@ TEST(FitSu, ScalesWithItsData) {
     for (int i = 0; i < 500; ++i) {
         const Vec3f wl = to_float(random_direction(random, 0.2)), wv = to_float(random_direction(random, 0.2));
         const double f = double(value(fit->unrounded, wl, wv).g), scaled_f = double(value(scaled->unrounded, wl, wv).g);
-        EXPECT_TRUE(near_relative(scaled_f, 4 * f, 1e-3)) << f << ' ' << scaled_f;
+        EXPECT_WITHIN_RELATIVE(scaled_f, 4 * f, 1e-3);
     }
 }
 
@@ -264,8 +264,7 @@ TEST(FitSu, RefusesBadOptionsAndMatrices) {
         EXPECT_NE(option_error([&](SuFitOptions& o) { o.max_theta = bad; }), "") << bad;
     EXPECT_NE(option_error([](SuFitOptions& o) { o.threads = -1; }), "");
     // 53 of the 64 directions are within 80°.
-    EXPECT_NE(option_error([](SuFitOptions& o) { o.lobes = 60; }).find("expected none or at least 60"),
-              std::string::npos);
+    EXPECT_CONTAINS(option_error([](SuFitOptions& o) { o.lobes = 60; }), "expected none or at least 60");
 
     const auto matrix_error_message = [&](auto change) {
         RawMatrix bad = good;
@@ -273,10 +272,10 @@ TEST(FitSu, RefusesBadOptionsAndMatrices) {
         const auto fit = fit_su(bad, k_raw);
         return fit ? "" : message(fit.error());
     };
-    EXPECT_NE(matrix_error_message([](RawMatrix& m) {
-                  for (std::size_t l = 0; l < 61; ++l) m.f[20 * 64 + l].r = k_nan;
-              }).find("directions with data in sampled view 20"),
-              std::string::npos);
+    EXPECT_CONTAINS(matrix_error_message([](RawMatrix& m) {
+                        for (std::size_t l = 0; l < 61; ++l) m.f[20 * 64 + l].r = k_nan;
+                    }),
+                    "directions with data in sampled view 20");
     EXPECT_NE(matrix_error_message([](RawMatrix& m) { m.f.pop_back(); }), "");
     EXPECT_NE(matrix_error_message([](RawMatrix& m) { m.between.pop_back(); }), "");
     EXPECT_NE(matrix_error_message([](RawMatrix& m) { m = {}; }), "");
@@ -319,9 +318,9 @@ TEST(Tabulate, SamplesTheFunctionAndCountsInvalidValues) {
                 const bool by_view = discretise == Discretise::view;
                 check(by_view ? between.direction : matrix->direction[v],
                       by_view ? matrix->direction[v] : between.direction, between.f, false);
-                EXPECT_TRUE(near_relative(
+                EXPECT_WITHIN_RELATIVE(
                     double(between.pdf),
-                    MirrorMixture(k_pi / 2).pdf(to_double(between.direction), to_double(matrix->direction[v])), 0.05));
+                    MirrorMixture(k_pi / 2).pdf(to_double(between.direction), to_double(matrix->direction[v])), 0.05);
             }
         }
         EXPECT_EQ(matrix->masked, masked);

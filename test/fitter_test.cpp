@@ -216,7 +216,7 @@ TEST(Fitting, ProgressNeverDecreasesAndCancelsInEveryStage) {
             return true;
         });
         ASSERT_TRUE(whole) << one.what << ": " << message(whole.error());
-        EXPECT_TRUE(near(last, 1, 1e-9)) << one.what;
+        EXPECT_WITHIN(last, 1, 1e-9) << one.what;
         EXPECT_EQ(whole->model.model.index(), one.request.model.index());
         ASSERT_TRUE(whole->errors);
         EXPECT_GT(whole->errors->heldout.pairs, 0u) << one.what;
@@ -253,9 +253,9 @@ TEST(Progress, PartsAreOfTheWhole) {
     double last = -1;
     const ProgressToken token([&](const Progress& now) { return last = now.fraction, true; });
     EXPECT_TRUE(token.part(0.5, 1).part(0, 0.5).report("a quarter", 1));
-    EXPECT_TRUE(near(last, 0.75, 1e-12));
+    EXPECT_WITHIN(last, 0.75, 1e-12);
     EXPECT_TRUE(token.report("earlier", 0.1));
-    EXPECT_TRUE(near(last, 0.75, 1e-12)) << "progress decreased";
+    EXPECT_WITHIN(last, 0.75, 1e-12) << "progress decreased";
     token.part(0, 1).cancel();
     EXPECT_TRUE(token.cancelled());
     EXPECT_FALSE(token.report("never", 1));

@@ -96,7 +96,7 @@ TEST(Formats, NumpyReadsModels) {
             for (std::size_t i = 0; i < f.size(); ++i) {
                 std::string number;
                 std::getline(out, number, (i + 1) % expected.count() > 0 ? ',' : '\n');
-                EXPECT_PRED3(near, std::atof(number.c_str()), f[i], 1e-3 * double(f[i]) + 1e-9);
+                EXPECT_WITHIN(std::atof(number.c_str()), f[i], 1e-3 * double(f[i]) + 1e-9);
             }
             std::string rest;
             EXPECT_FALSE(std::getline(out, rest));
@@ -110,7 +110,7 @@ TEST(Formats, LargeValuesAreKeptOrRefused) {
         const auto saved = save_model(model, folder / "x.srbf");
         EXPECT_FALSE(saved.ok() || std::filesystem::exists(folder / "x.srbf"));
         if (!saved) {
-            EXPECT_NE(message(saved.error()).find("at most 65504, the largest 16-bit float, found"), std::string::npos);
+            EXPECT_CONTAINS(message(saved.error()), "at most 65504, the largest 16-bit float, found");
         }
     };
     std::mt19937_64 random(1);
@@ -142,12 +142,12 @@ TEST(Formats, LargeValuesAreKeptOrRefused) {
     for (const std::string output : {"o.csv", "o.binary", "o.bsdf", "o.mbsdf"}) {
         const ProgramRun converted = run(folder, {"convert", "m.srbf", "-o", output});
         ASSERT_EQ(converted.status, 0) << output << converted.err;
-        EXPECT_PRED3(near, red(output), expected, 0.1 * expected) << output;
+        EXPECT_WITHIN(red(output), expected, 0.1 * expected) << output;
     }
     // Facets have no scale.
     const ProgramRun fit = run(folder, {"fit", "o.binary", "--model", "ggx", "--objective", "raw", "-o", "g.srbf"});
     EXPECT_EQ(fit.status, 1);
-    EXPECT_NE(fit.err.find("the largest 16-bit float"), fit.err.npos) << fit.err;
+    EXPECT_CONTAINS(fit.err, "the largest 16-bit float");
 }
 
 }  // namespace

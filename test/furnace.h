@@ -47,7 +47,7 @@ inline double expect_furnace(const Model& model) {
         for (const Part part : {Part::reflection_front, Part::transmission_back})
             expected += double(share_at(bsdf.beam, part, from).g) +
                         double(albedo(part_of(values, part), theta * k_degree, k_pi / 2).g);
-        EXPECT_PRED3(near, furnace(prepared, theta * k_degree, 1), expected, 0.02) << theta;
+        EXPECT_WITHIN(furnace(prepared, theta * k_degree, 1), expected, 0.02) << theta;
     }
     const double all = furnace(prepared, 64);
     EXPECT_LE(all, std::min(1.0, 1.002 * furnace(prepared, 1)));

@@ -42,8 +42,8 @@ TEST(Ggx, IsReciprocalIsotropicAndNeverNegative) {
         const Rgb h = value(model, turned(wl), turned(wv));
         for (int c = 0; c < 3; ++c) {
             EXPECT_GE(f[c], 0);
-            EXPECT_TRUE(near(f[c], g[c], 1e-5 * double(f[c])));
-            EXPECT_TRUE(near(f[c], h[c], 1e-4 * double(f[c]))) << f[c] << ' ' << h[c];
+            EXPECT_WITHIN(f[c], g[c], 1e-5 * double(f[c]));
+            EXPECT_WITHIN(f[c], h[c], 1e-4 * double(f[c]));
         }
     }
     EXPECT_EQ(value(random_ggx(random, 1), {0, 0, -1}, {0, 0, 1}), Rgb{});
@@ -52,8 +52,7 @@ TEST(Ggx, IsReciprocalIsotropicAndNeverNegative) {
 TEST(Ggx, ALambertianReflectsItsColour) {
     const GgxModel model{{0.2f, 0.5f, 0.9f}, {{0.3f, {}, 0}}};
     for (const double theta : {0.0, 1.0, 1.4})
-        for (int c = 0; c < 3; ++c)
-            EXPECT_TRUE(near(albedo(evaluator(model), theta, k_pi / 2)[c], model.diffuse[c], 2e-4));
+        for (int c = 0; c < 3; ++c) EXPECT_WITHIN(albedo(evaluator(model), theta, k_pi / 2)[c], model.diffuse[c], 2e-4);
 }
 
 TEST(Ggx, FacetsReflectNoMoreThanTheyGetAndSmoothOnesAll) {
@@ -61,9 +60,9 @@ TEST(Ggx, FacetsReflectNoMoreThanTheyGetAndSmoothOnesAll) {
     for (const float alpha : {0.02f, 0.1f, 0.3f, 1.0f})
         for (const double theta : {0.0, 0.7, 1.2})
             EXPECT_LT(facet_albedo(alpha, theta), 1 + 1e-3) << alpha << ' ' << theta;
-    EXPECT_TRUE(near(facet_albedo(0.02f, 0.0), 1, 2e-3));
+    EXPECT_WITHIN(facet_albedo(0.02f, 0.0), 1, 2e-3);
     // At α = 1 and normal incidence the albedo is 1 - ln 2: ∫ cosθl / (2 (1 + cosθl)) dcosθl, twice.
-    EXPECT_TRUE(near(facet_albedo(1, 0.0), 1 - elementary::log(2.0), 1e-4));
+    EXPECT_WITHIN(facet_albedo(1, 0.0), 1 - elementary::log(2.0), 1e-4);
 }
 
 TEST(Ggx, IsFittedBack) {
@@ -77,8 +76,8 @@ TEST(Ggx, IsFittedBack) {
         EXPECT_EQ(payload_bytes(fit->model), truth.lobes.size() == 1 ? 16u : 26u);
         EXPECT_LT(fit->unrounded_loss, 1e-6);
         EXPECT_LT(fit->loss, 1e-5);  // roughness in halves
-        EXPECT_TRUE(
-            near(fit->unrounded.lobes[0].roughness, truth.lobes[0].roughness, 2e-3 * double(truth.lobes[0].roughness)));
+        EXPECT_WITHIN(fit->unrounded.lobes[0].roughness, truth.lobes[0].roughness,
+                      2e-3 * double(truth.lobes[0].roughness));
     }
 }
 
@@ -116,9 +115,9 @@ TEST(Ggx, FitScalesWithTheData) {
     };
     const auto once = Kind<GgxModel>::fit(observed_times(1)), large = Kind<GgxModel>::fit(observed_times(64));
     ASSERT_TRUE(once.ok() && large.ok());
-    EXPECT_TRUE(near(large->unrounded.diffuse.g, 64 * double(once->unrounded.diffuse.g),
-                     64e-4 * double(once->unrounded.diffuse.g) + 1e-6));
-    EXPECT_TRUE(near(large->unrounded.lobes[0].roughness, once->unrounded.lobes[0].roughness, 1e-4));
+    EXPECT_WITHIN(large->unrounded.diffuse.g, 64 * double(once->unrounded.diffuse.g),
+                  64e-4 * double(once->unrounded.diffuse.g) + 1e-6);
+    EXPECT_WITHIN(large->unrounded.lobes[0].roughness, once->unrounded.lobes[0].roughness, 1e-4);
 }
 
 TEST(Ggx, NoiseBelowZeroIsFitted) {

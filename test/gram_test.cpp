@@ -59,11 +59,12 @@ TEST_P(Gram, RowsContainTheObservationsWithoutBoundPairs) {
             EXPECT_EQ(wl, observations_.wl[i]);
             EXPECT_EQ(wv, observations_.wv[i]);
             const double root = std::sqrt(observations_.weight[i]);
-            EXPECT_TRUE(near_relative(rows_.root_weight[i], rows_.scale * root, 1e-6));
+            EXPECT_WITHIN_RELATIVE(rows_.root_weight[i], rows_.scale * root, 1e-6);
             for (int c = 0; c < 3; ++c)
-                EXPECT_TRUE(near_relative(rows_.y[std::size_t(c)][i], root * double(observations_.f[i][c]), 1e-6));
+                EXPECT_WITHIN_RELATIVE(rows_.y[std::size_t(c)][i], root * double(observations_.f[i][c]), 1e-6);
         } else {
-            EXPECT_TRUE(near(dot(wl, wl), 1, 1e-6) && near(dot(wv, wv), 1, 1e-6));
+            EXPECT_WITHIN(dot(wl, wl), 1, 1e-6);
+            EXPECT_WITHIN(dot(wv, wv), 1, 1e-6);
             EXPECT_EQ(rows_.root_weight[i], 0);
             for (int c = 0; c < 3; ++c) EXPECT_EQ(rows_.y[std::size_t(c)][i], 0);
         }
@@ -80,7 +81,7 @@ TEST_P(Gram, RowsContainTheObservationsWithoutBoundPairs) {
 TEST_P(Gram, WeightsOfRowsSumToOne) {
     double sum = 0;
     for (const float root : rows_.root_weight) sum += double(root) * double(root);
-    EXPECT_TRUE(near(sum, 1, 1e-5));
+    EXPECT_WITHIN(sum, 1, 1e-5);
 }
 
 TEST_P(Gram, AxialFeatureIsTheExponentOfAKernelAtTheNormal) {
@@ -98,12 +99,12 @@ TEST_P(Gram, AxialFeatureIsTheExponentOfAKernelAtTheNormal) {
                 const auto psi = [&](double t) { return K::psi(wl, wv, std::cos(t), std::sin(t)); };
                 const Vec3d d = std::cos(angle) * wl + std::sin(angle) * wv;
                 const double steepness = 1 / std::sqrt(dot(d, d));
-                EXPECT_TRUE(near(s[i], K::gaussian_exponent(psi(angle), {0, 0, 1}, 1), 1e-6 * (1 + steepness)));
-                EXPECT_TRUE(near(s[i], psi(angle).z - 1, 1e-6 * (1 + steepness)));
-                EXPECT_TRUE(near(derivative[i], K::psi_by_angle(wl, wv, std::cos(angle), std::sin(angle)).z,
-                                 1e-6 * steepness * steepness));
+                EXPECT_WITHIN(s[i], K::gaussian_exponent(psi(angle), {0, 0, 1}, 1), 1e-6 * (1 + steepness));
+                EXPECT_WITHIN(s[i], psi(angle).z - 1, 1e-6 * (1 + steepness));
+                EXPECT_WITHIN(derivative[i], K::psi_by_angle(wl, wv, std::cos(angle), std::sin(angle)).z,
+                              1e-6 * steepness * steepness);
                 const double difference = (psi(angle + h).z - psi(angle - h).z) / (2 * h);
-                EXPECT_TRUE(near(derivative[i], difference, 1e-6 * std::pow(steepness, 3)));
+                EXPECT_WITHIN(derivative[i], difference, 1e-6 * std::pow(steepness, 3));
             }
         }
     }
@@ -124,8 +125,8 @@ TEST_P(Gram, GeneralFeaturesMatchTheKernel) {
             const Vec3d psi = K::psi(wl, wv, a, b), by_angle = K::psi_by_angle(wl, wv, a, b);
             const double expected[] = {psi.x, psi.y, psi.z - 1, by_angle.x, by_angle.y, by_angle.z};
             for (std::size_t k = 0; k < 3; ++k) {
-                EXPECT_TRUE(near(s[k * k_block + i], expected[k], 2e-6));
-                EXPECT_TRUE(near(derivative[k * k_block + i], expected[3 + k], 4e-6));
+                EXPECT_WITHIN(s[k * k_block + i], expected[k], 2e-6);
+                EXPECT_WITHIN(derivative[k * k_block + i], expected[3 + k], 4e-6);
             }
         }
     }
@@ -144,7 +145,7 @@ TEST_P(Gram, FurtherFeaturesMatchTheKernel) {
                                                         widened(observations_.wv[block * k_block + i]));
                 for (std::size_t k = 0; k < std::size_t(count); ++k) {
                     const double tolerance = k == 0 ? 2e-5 * (1 + std::abs(expected.x[k])) : 1e-6;
-                    EXPECT_TRUE(near(x[k * k_block + i], expected.x[k], tolerance)) << k;
+                    EXPECT_WITHIN(x[k * k_block + i], expected.x[k], tolerance) << k;
                 }
             }
         }
@@ -175,7 +176,7 @@ TEST_P(Gram, ExponentIsTheWeightedSumAndItsMaximumSkipsWeightsOfZero) {
                     sum += double(weight[n]) * double(columns[n][i]);
                     size += std::abs(double(weight[n]) * double(columns[n][i]));
                 }
-                EXPECT_TRUE(near(x[i], sum, 1e-6 * size));
+                EXPECT_WITHIN(x[i], sum, 1e-6 * size);
                 if (rows_.root_weight[block * k_block + i] > 0)
                     expected_largest = std::max(expected_largest, double(x[i]));
             }
@@ -208,7 +209,7 @@ TEST_P(Gram, ExponentiateSubtractsTheOffset) {
                 const double root = double(rows_.root_weight[block * k_block + i]);
                 const double expected = root > 0 ? root * std::exp(double(input[i]) - double(offset)) : 0;
                 const double size = std::abs(double(input[i]) - double(offset));
-                EXPECT_TRUE(near(x[i], expected, 3e-7 * (1 + size / 2) * expected + 0x1p-93)) << input[i];
+                EXPECT_WITHIN(x[i], expected, 3e-7 * (1 + size / 2) * expected + 0x1p-93) << input[i];
             }
         }
     }
@@ -233,10 +234,10 @@ TEST_P(Gram, MultiplyAndResidual) {
         for (std::size_t i = 0; i < k_block; ++i) {
             double rest = double(a[i]);
             for (std::size_t j = 0; j < lobes; ++j) rest -= double(beta[j]) * double(columns[j][i]);
-            EXPECT_TRUE(near(r[i], rest, 1e-6 * double(lobes + 1)));
+            EXPECT_WITHIN(r[i], rest, 1e-6 * double(lobes + 1));
             squares += rest * rest;
         }
-        EXPECT_TRUE(near_relative(sum, squares, 1e-5));
+        EXPECT_WITHIN_RELATIVE(sum, squares, 1e-5);
     }
 }
 
@@ -255,7 +256,7 @@ TEST_P(Gram, AddProductsAddsProductsOfRowsAndColumns) {
                         sum += double(rows[i][l]) * double(columns[k][l]);
                         size += std::abs(double(rows[i][l]) * double(columns[k][l]));
                     }
-                    EXPECT_TRUE(near(G[i * n + k], sum, 3e-6 * size));
+                    EXPECT_WITHIN(G[i * n + k], sum, 3e-6 * size);
                 }
         }
 }
@@ -275,7 +276,7 @@ TEST_P(Gram, AddGramAddsProductsUpToTheDiagonal) {
                     sum += double(columns[i][m]) * double(columns[k][m]);
                     size += std::abs(double(columns[i][m]) * double(columns[k][m]));
                 }
-                EXPECT_TRUE(near(G[i * n + k], before[i * n + k] + sum, 3e-6 * size)) << n << ' ' << i << ' ' << k;
+                EXPECT_WITHIN(G[i * n + k], before[i * n + k] + sum, 3e-6 * size) << n << ' ' << i << ' ' << k;
             }
     }
     std::vector<double> none;

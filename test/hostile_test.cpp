@@ -324,11 +324,10 @@ TEST_F(Hostile, NoControlCharactersReachTheTerminal) {
         EXPECT_TRUE(result.status == 0 || result.status == 1);
         for (const char c : result.out + result.err)
             EXPECT_TRUE(c == '\n' || static_cast<unsigned char>(c) >= 0x20) << fmt::format("{:02x}", int(c));
-        EXPECT_EQ((result.out + result.err).find("\xc2\x9b"), std::string::npos);
+        EXPECT_LACKS((result.out + result.err), "\xc2\x9b");
     }
-    EXPECT_NE(run(folder, {"info", "m.srbf"}).out.find("source                              a?]0;title??[2J   ??31mb"),
-              std::string::npos)
-        << run(folder, {"info", "m.srbf"}).out;
+    EXPECT_CONTAINS(run(folder, {"info", "m.srbf"}).out,
+                    "source                              a?]0;title??[2J   ??31mb");
 }
 
 /// File names with characters that end strings, comments, elements or lines in some language.
@@ -427,7 +426,7 @@ TEST_F(Hostile, NamesAndMetadataAreNotCode) {
             if (is_map || to == "glb") continue;
             EXPECT_EQ(printable_lines(x), x);
             if (to == "c") {
-                EXPECT_EQ(x.find("?\?/"), x.npos);
+                EXPECT_LACKS(x, "?\?/");
             }
             if (to == "gltf")
                 for (std::string* text : {&x, &y}) {
@@ -502,7 +501,7 @@ TEST_F(Hostile, NamesInCodeAreDistinct) {
             EXPECT_EQ(result.status, 1);
             EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
             if (result.err.find("names in their code") != result.err.npos) {
-                EXPECT_NE(result.err.find(a.first + " and " + b.first), result.err.npos) << result.err;
+                EXPECT_CONTAINS(result.err, a.first + " and " + b.first);
             }
         }
     }
@@ -511,7 +510,7 @@ TEST_F(Hostile, NamesInCodeAreDistinct) {
     ASSERT_TRUE(save_model(model, folder / "srbf_view.srbf").ok());
     const ProgramRun shared = run(folder, {"export", "srbf_view.srbf", "--to", "c", "--with", "sampling", "-o", "o"});
     EXPECT_EQ(shared.status, 1);
-    EXPECT_NE(shared.err.find("srbf_view and the functions of srbf"), shared.err.npos) << shared.err;
+    EXPECT_CONTAINS(shared.err, "srbf_view and the functions of srbf");
 }
 
 /// File names are printed in a single line, also in JSON on the terminal.

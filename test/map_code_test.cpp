@@ -344,9 +344,9 @@ TEST_F(MapCode, CompilesWithTexturesOfItsLanguages) {
                                          "    return float4(map_brdf(a, b, map_coefficients(uv.x, uv.y)), 1.0);\n}\n"));
     }
     const std::string metal = code(map, CodeLanguage::msl), wgsl = code(map, CodeLanguage::wgsl);
-    EXPECT_EQ(metal.find("map_layer("), metal.npos);  // its functions see no textures
-    EXPECT_NE(metal.find("struct map_Coefficients"), metal.npos);
-    EXPECT_NE(wgsl.find("fn map_coefficients(u: f32, v: f32) -> map_Coefficients {"), wgsl.npos);
+    EXPECT_LACKS(metal, "map_layer(");  // its functions see no textures
+    EXPECT_CONTAINS(metal, "struct map_Coefficients");
+    EXPECT_CONTAINS(wgsl, "fn map_coefficients(u: f32, v: f32) -> map_Coefficients {");
 }
 
 TEST_F(MapCode, RefusesOtherModels) {

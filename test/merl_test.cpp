@@ -70,7 +70,7 @@ TEST(Merl, ReproducesItsNodes) {
                 const Rgb f = value(table, wl, wv);
                 for (int c = 0; c < 3; ++c) {
                     const double expected = (c + 1) * multilinear(h, d, known_p);
-                    EXPECT_PRED3(near_relative, f[c], expected, d == 0 ? 1e-3 : 1e-4) << h << ' ' << d << ' ' << p;
+                    EXPECT_WITHIN_RELATIVE(f[c], expected, d == 0 ? 1e-3 : 1e-4) << h << ' ' << d << ' ' << p;
                 }
                 ++checked;
             }
@@ -111,9 +111,9 @@ TEST(Merl, InterpolatesOverTheValidNodes) {
                 continue;
             }
             // Where all the valid weight lies in a corner, the rounding of the position counts for more.
-            EXPECT_PRED3(near_relative, f.g, expected, masked_part == 0 ? 1e-4 : 2e-2);
+            EXPECT_WITHIN_RELATIVE(f.g, expected, masked_part == 0 ? 1e-4 : 2e-2);
             if (masked_part == 0) {
-                EXPECT_PRED3(near_relative, f.r, multilinear(h, d, p), 1e-4);
+                EXPECT_WITHIN_RELATIVE(f.r, multilinear(h, d, p), 1e-4);
             }
             ++checked;
         }
@@ -145,7 +145,7 @@ TEST(Merl, IsReciprocalIsotropicAndBounded) {
         EXPECT_EQ(f, exchanged);
         const double sine_h = std::hypot(double(wl.x + wv.x), double(wl.y + wv.y));
         if (sine_h < 0.05 || wl.z < 0.1f || wv.z < 0.1f) continue;
-        EXPECT_PRED3(near_relative, turned.r, f.r, 1e-3);
+        EXPECT_WITHIN_RELATIVE(turned.r, f.r, 1e-3);
     }
 }
 

@@ -68,20 +68,20 @@ TEST(Metrics, OfABrdfAgainstItselfAreZero) {
 TEST(Metrics, OfAScaledBrdfAreTheirClosedForms) {
     const Glossy glossy, scaled{1.1f};
     for (const Measures& m : {matrix(glossy, scaled), heldout(glossy, scaled)}) {
-        EXPECT_TRUE(near_relative(m.squared_error_ratio, 0.01, 1e-5));
-        EXPECT_TRUE(near_relative(m.squared_error_ratio_cosine, 0.01, 1e-5));
-        EXPECT_TRUE(near_relative(m.cube_root_error_ratio, std::pow(std::cbrt(1.1) - 1, 2), 1e-4));
-        EXPECT_TRUE(near_relative(m.log10_rms, std::log10(1.1), 1e-4));
+        EXPECT_WITHIN_RELATIVE(m.squared_error_ratio, 0.01, 1e-5);
+        EXPECT_WITHIN_RELATIVE(m.squared_error_ratio_cosine, 0.01, 1e-5);
+        EXPECT_WITHIN_RELATIVE(m.cube_root_error_ratio, std::pow(std::cbrt(1.1) - 1, 2), 1e-4);
+        EXPECT_WITHIN_RELATIVE(m.log10_rms, std::log10(1.1), 1e-4);
     }
-    EXPECT_TRUE(near_relative(albedo_error(evaluator(glossy), evaluator(scaled), k_cap), 0.1, 1e-4));
-    EXPECT_TRUE(near_relative(albedo_error(evaluator(scaled), evaluator(glossy), k_cap), 0.1 / 1.1, 1e-4));
+    EXPECT_WITHIN_RELATIVE(albedo_error(evaluator(glossy), evaluator(scaled), k_cap), 0.1, 1e-4);
+    EXPECT_WITHIN_RELATIVE(albedo_error(evaluator(scaled), evaluator(glossy), k_cap), 0.1 / 1.1, 1e-4);
 }
 
 TEST(Metrics, OfNothingAgainstSomethingAreOne) {
     const Glossy glossy;
     const Lambert black{{0, 0, 0}};
-    EXPECT_TRUE(near(matrix(glossy, black).squared_error_ratio, 1, 1e-12));
-    EXPECT_TRUE(near(heldout(glossy, black).squared_error_ratio_cosine, 1, 1e-12));
+    EXPECT_WITHIN(matrix(glossy, black).squared_error_ratio, 1, 1e-12);
+    EXPECT_WITHIN(heldout(glossy, black).squared_error_ratio_cosine, 1, 1e-12);
     EXPECT_EQ(albedo_error(evaluator(glossy), evaluator(black), k_cap), 1);
     EXPECT_TRUE(std::isinf(matrix(black, glossy).squared_error_ratio));
     EXPECT_EQ(matrix(black, black).squared_error_ratio, 0);
@@ -94,8 +94,8 @@ TEST(Metrics, LogarithmOfALambertianIsItsIntegral) {
     const int n = 20000;
     for (int i = 0; i < n; ++i) mean += std::pow(std::log1p(a * (c + (i + 0.5) / n * (1 - c))), 2) / n;
     const Lambert grey{{0.6f, 0.6f, 0.6f}}, black{{0, 0, 0}};
-    EXPECT_TRUE(near_relative(matrix(grey, black).log_rms_cosine, std::sqrt(mean), 1e-3));
-    EXPECT_TRUE(near_relative(heldout(grey, black).log_rms_cosine, std::sqrt(mean), 1e-2));
+    EXPECT_WITHIN_RELATIVE(matrix(grey, black).log_rms_cosine, std::sqrt(mean), 1e-3);
+    EXPECT_WITHIN_RELATIVE(heldout(grey, black).log_rms_cosine, std::sqrt(mean), 1e-2);
 }
 
 // Σ (f−f̂)² / Σ f² for f = .1 + G, f̂ = .1: the integrals of G and G² about the mirror direction are 2π/λ and 2π/2λ if
@@ -106,13 +106,13 @@ TEST(Metrics, HeldOutPairsResolveSharpLobes) {
     const double cap = 2 * k_pi * (1 - std::cos(k_cap));
     const double lobe = 2 * k_pi / bandwidth * 20, lobe_squared = k_pi / bandwidth * 400;
     const double expected = lobe_squared / (0.01 * cap + 0.2 * lobe + lobe_squared);
-    EXPECT_TRUE(near_relative(heldout(sharp, flat).squared_error_ratio, expected, 0.02));
+    EXPECT_WITHIN_RELATIVE(heldout(sharp, flat).squared_error_ratio, expected, 0.02);
 }
 
 TEST(Metrics, MatrixAndHeldOutPairsAgreeOnSmoothBrdfs) {
     const Glossy wide{1, 5, 1}, other{1, 8, 1};
     for (const auto measure : k_all)
-        EXPECT_TRUE(near_relative(matrix(wide, other).*measure, heldout(wide, other).*measure, 0.02));
+        EXPECT_WITHIN_RELATIVE(matrix(wide, other).*measure, heldout(wide, other).*measure, 0.02);
 }
 
 TEST(Metrics, OmitAndCountMissingValues) {
@@ -121,8 +121,8 @@ TEST(Metrics, OmitAndCountMissingValues) {
     EXPECT_EQ(whole.pairs, 400u * 400u);
     EXPECT_EQ(whole.masked, 0u);
     EXPECT_EQ(half.pairs + half.masked, 400u * 400u);
-    EXPECT_TRUE(near_relative(double(half.masked), 80000, 0.02));
-    EXPECT_TRUE(near_relative(half.squared_error_ratio, whole.squared_error_ratio, 0.02));
+    EXPECT_WITHIN_RELATIVE(double(half.masked), 80000, 0.02);
+    EXPECT_WITHIN_RELATIVE(half.squared_error_ratio, whole.squared_error_ratio, 0.02);
     const Measures swapped = matrix(glossy, Holed{other});
     EXPECT_EQ(swapped.masked, half.masked);
 }
@@ -161,7 +161,7 @@ TEST(Metrics, OfSamplesAreTheirFormulas) {
             const double ratio = apart[k] / whole[k], expected = is_root(k) ? std::sqrt(ratio) : ratio;
             // Logarithms from −60 on are rounded to 4e-6; they differ by up to 0.7.
             const double bound = k_measures[k].member == &Measures::log10_rms ? 1e-4 : 2e-6;
-            EXPECT_TRUE(near_relative(measures.*k_measures[k].member, expected, bound)) << count << " " << k;
+            EXPECT_WITHIN_RELATIVE(measures.*k_measures[k].member, expected, bound) << count << " " << k;
         }
     }
 }
@@ -171,8 +171,7 @@ TEST(Metrics, LogarithmsOfSmallNumbersAreExact) {
     const std::vector<Vec3f> up(1, Vec3f(0, 0, 1));
     for (const float f : {1e-12f, 1e-8f, 3e-7f, 1e-4f, 0.01f}) {
         const std::vector<float> a{f}, b{0};
-        EXPECT_TRUE(near_relative(measure_samples(up, up, a, b, k_cap).log_rms_cosine, std::log1p(double(f)), 1e-6))
-            << f;
+        EXPECT_WITHIN_RELATIVE(measure_samples(up, up, a, b, k_cap).log_rms_cosine, std::log1p(double(f)), 1e-6) << f;
         EXPECT_EQ(measure_samples(up, up, a, a, k_cap).log_rms_cosine, 0);
     }
 }
@@ -180,7 +179,7 @@ TEST(Metrics, LogarithmsOfSmallNumbersAreExact) {
 TEST(Metrics, LogarithmsUsePositiveValuesAndAreLimited) {
     const std::vector<Vec3f> up(4, Vec3f(0, 0, 1));
     const std::vector<float> f{1e-3f, 1e4f, 0, 2}, g{1e-2f, 0, 5, 2};
-    EXPECT_TRUE(near_relative(measure_samples(up, up, f, g, k_cap).log10_rms, std::sqrt((1 + 36 + 0) / 3.0), 1e-6));
+    EXPECT_WITHIN_RELATIVE(measure_samples(up, up, f, g, k_cap).log10_rms, std::sqrt((1 + 36 + 0) / 3.0), 1e-6);
 }
 
 TEST(Metrics, InfiniteValuesAreNeverNear) {
@@ -206,10 +205,10 @@ TEST(Metrics, TakeAnyNumberOfChannels) {
         const auto directions = fibonacci_directions(64, 80 * k_degree);
         for (const auto& measures : {measure_matrix(ramp(C, 1), others, {80 * k_degree, 1}, directions),
                                      measure_heldout(ramp(C, 1), others, {80 * k_degree, 1}, 5000)}) {
-            EXPECT_TRUE(near(measures[0].squared_error_ratio, 0.01, 1e-6));
-            EXPECT_TRUE(near(measures[0].squared_error_ratio_cosine, 0.01, 1e-6));
-            EXPECT_TRUE(near(measures[0].cube_root_error_ratio, std::pow(1 - std::cbrt(0.9), 2), 1e-6));
-            EXPECT_TRUE(near(measures[1].squared_error_ratio, 1, 1e-9));
+            EXPECT_WITHIN(measures[0].squared_error_ratio, 0.01, 1e-6);
+            EXPECT_WITHIN(measures[0].squared_error_ratio_cosine, 0.01, 1e-6);
+            EXPECT_WITHIN(measures[0].cube_root_error_ratio, std::pow(1 - std::cbrt(0.9), 2), 1e-6);
+            EXPECT_WITHIN(measures[1].squared_error_ratio, 1, 1e-9);
             EXPECT_EQ(measures[0].masked, 0u);
         }
     }
@@ -221,8 +220,8 @@ TEST(Albedo, OfALambertianIsItsColourTimesTheCap) {
         for (const double cap : {k_cap, k_pi / 2}) {
             const Rgb a = albedo(evaluator(lambert), theta * k_degree, cap);
             const double share = std::pow(std::sin(cap), 2);
-            EXPECT_TRUE(near_relative(a.r, 0.2 * share, 1e-4)) << theta << " " << cap;
-            EXPECT_TRUE(near_relative(a.b, 0.9 * share, 1e-4));
+            EXPECT_WITHIN_RELATIVE(a.r, 0.2 * share, 1e-4) << theta << " " << cap;
+            EXPECT_WITHIN_RELATIVE(a.b, 0.9 * share, 1e-4);
         }
 }
 
@@ -235,7 +234,7 @@ TEST(Albedo, ResolvesSharpLobes) {
             const double without = albedo(evaluator(base), theta * k_degree, k_pi / 2).r;
             const double lobe =
                 1000 * 2 * k_pi * std::cos(theta * k_degree) * (1 / bandwidth - 1 / (bandwidth * bandwidth));
-            EXPECT_TRUE(near_relative(with - without, lobe, 1e-4)) << bandwidth << " at " << theta;
+            EXPECT_WITHIN_RELATIVE(with - without, lobe, 1e-4) << bandwidth << " at " << theta;
         }
     }
 }
@@ -272,8 +271,8 @@ TEST(Metrics, AlbedosOfNarrowHighlightsAreExact) {
         };
         const double over_z = w * c * (std::atan((1 - c) / w) + std::atan(c / w)) +
                               w * w / 2 * std::log((w * w + (1 - c) * (1 - c)) / (w * w + c * c));
-        EXPECT_TRUE(
-            near_relative(albedo(peak, std::acos(c), k_pi / 2).g, over_z * 2 * turn * std::atan(k_pi / turn), 1e-3));
+        EXPECT_WITHIN_RELATIVE(albedo(peak, std::acos(c), k_pi / 2).g, over_z * 2 * turn * std::atan(k_pi / turn),
+                               1e-3);
     }
 }
 

@@ -58,7 +58,7 @@ std::string error_of(const Bytes& bytes) {
     EXPECT_FALSE(model.error().what.empty());
     const std::string line = message(model.error());
     EXPECT_EQ(line.find("a b.srbf: "), 0u) << line;
-    EXPECT_EQ(line.find('\n'), std::string::npos);
+    EXPECT_LACKS(line, "\n");
     EXPECT_LT(line.size(), 400u) << line;
     return line;
 }

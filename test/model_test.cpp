@@ -109,7 +109,7 @@ TEST(Model, CentresKeepTheirAnglesToTheDigitsOfAHalf) {
     for (std::size_t k = 0; k < model.centre.size(); ++k) {
         const Vec3f a = model.centre[k], b = once.centre[k];
         const double theta = std::acos(std::clamp(double(a.z), -1.0, 1.0)), sine = std::hypot(double(a.x), double(a.y));
-        EXPECT_TRUE(near(dot(b, b), 1, 1e-6));
+        EXPECT_WITHIN(dot(b, b), 1, 1e-6);
         // Half an ulp each: of θ, at most 2^-10 beyond 2, and of φ, on the circle of this latitude.
         const double distance = std::sqrt(double(dot(a - b, a - b)));
         const double bound = theta * 0x1p-11 + sine * k_pi * 0x1p-11 + 3e-7;

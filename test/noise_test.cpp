@@ -53,8 +53,8 @@ TEST(Noise, IsEstimated) {
     for (const float deviation : {0.02f, 0.3f}) {
         const Noise noise = noise_of(with_noise(bundled("paper_white_rgb"), deviation));
         for (int c = 0; c < 3; ++c) {
-            EXPECT_TRUE(near(noise.deviation[c], deviation, 0.03 * deviation));
-            EXPECT_TRUE(near(noise.level[c], 0.26f, 0.15f));
+            EXPECT_WITHIN(noise.deviation[c], deviation, 0.03 * deviation);
+            EXPECT_WITHIN(noise.level[c], 0.26f, 0.15f);
         }
     }
     EXPECT_TRUE(is_noisy(noise_of(with_noise(bundled("paper_white_rgb"), 0.3f))));
@@ -74,7 +74,7 @@ TEST(Noise, DoesNotBiasAFit) {
     for (const double theta : {0.0, 30.0, 60.0}) {
         const double expected = luminance(albedo(reference, theta * k_degree, 89 * k_degree)),
                      found = luminance(albedo(fitted, theta * k_degree, 89 * k_degree));
-        EXPECT_TRUE(near(found, expected, 0.05 * expected)) << theta;
+        EXPECT_WITHIN(found, expected, 0.05 * expected) << theta;
     }
     EXPECT_LE(compare_pictures(reference, {&fitted, 1})[0].mean.delta_e, 3.3);  // without noise .8
 }

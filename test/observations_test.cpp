@@ -36,9 +36,9 @@ TEST(Observations, EstimateTheIntegralOfTheirObjective) {
             return (1 - elementary::pow(d, power + 1)) / (1 - elementary::pow(c, power + 1));
         };
         const bool raw = objective == Objective::raw;
-        EXPECT_TRUE(near_relative(near_l / all, share(raw ? 0 : 2), 0.01));
-        EXPECT_TRUE(near_relative(near_v / all, share(raw ? 0 : 1), 0.01));
-        EXPECT_TRUE(near(3 * all, 1, 0.05));  // Σ w |f|² = 1; the grid of horizon pairs adds a few pairs within the cap
+        EXPECT_WITHIN_RELATIVE(near_l / all, share(raw ? 0 : 2), 0.01);
+        EXPECT_WITHIN_RELATIVE(near_v / all, share(raw ? 0 : 1), 0.01);
+        EXPECT_WITHIN(3 * all, 1, 0.05);  // Σ w |f|² = 1; the grid of horizon pairs adds a few pairs within the cap
     }
 }
 
@@ -48,7 +48,7 @@ TEST(Observations, EveryPrefixIsARepresentativeSample) {
     ASSERT_EQ(fitted(*o), std::size_t(1) << 16);
     double sum = 0;
     for (std::size_t i = 0; i < 4096; ++i) sum += 3 * double(o->weight[i]);
-    EXPECT_TRUE(near_relative(sum, 4096.0 / 65536, 0.1));
+    EXPECT_WITHIN_RELATIVE(sum, 4096.0 / 65536, 0.1);
     std::size_t horizon_pairs = 0;
     for (std::size_t i = 0; i < 4096; ++i) horizon_pairs += !within(*o, i, 80 * k_degree);
     EXPECT_GT(horizon_pairs, 4096u / 16);
@@ -71,15 +71,15 @@ TEST(Observations, AreDenseWhereTheEnergyIs) {
     double all = 0, sum = 0, squares = 0;
     for (std::size_t i = 0; i < fitted(*o); ++i) all += energy(i);
     for (std::size_t i = 0; i < 4096; ++i) sum += energy(i), squares += energy(i) * energy(i);
-    EXPECT_TRUE(near(all, 1, 0.01));
-    EXPECT_TRUE(near_relative(sum, 4096.0 / double(fitted(*o)), 0.1));
+    EXPECT_WITHIN(all, 1, 0.01);
+    EXPECT_WITHIN_RELATIVE(sum, 4096.0 / double(fitted(*o)), 0.1);
     EXPECT_GT(sum * sum / squares, 600);
 
     // A beginning is scaled like the whole.
     const Observations few = first_pairs(*o, 4096);
     double of_few = 0;
     for (std::size_t i = 0; i < 4096; ++i) of_few += few.weight[i] * 3 * double(few.f[i].r) * double(few.f[i].r);
-    EXPECT_TRUE(near(of_few, 1, 1e-6));
+    EXPECT_WITHIN(of_few, 1, 1e-6);
 }
 
 TEST(Observations, CosineObjectiveKeepsDarkValuesUnderAHighlight) {
@@ -174,8 +174,7 @@ TEST(Observations, ViewsOfPicturesAreExposedAndWithinTheCap) {
     ASSERT_GT(largest.size(), 8u);
     for (auto& [lighting, of_pixels] : largest) {
         std::ranges::sort(of_pixels);
-        EXPECT_TRUE(near(of_pixels[std::size_t(0.9 * double(of_pixels.size() - 1))], k_exposed_value, 1e-3))
-            << lighting;
+        EXPECT_WITHIN(of_pixels[std::size_t(0.9 * double(of_pixels.size() - 1))], k_exposed_value, 1e-3) << lighting;
     }
 }
 

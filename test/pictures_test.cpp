@@ -37,8 +37,7 @@ TEST(Pictures, UniformLightShowsTheAlbedo) {
             const double across = (2 * x + 1 - 64) / 64.0, theta = std::asin(std::hypot(across, 1 / 64.0));
             const Rgb expected = albedo(brdf, theta, k_pi / 2);
             for (int c = 0; c < 3; ++c)
-                EXPECT_TRUE(near(double(image.at(x, 32)[c]), double(expected[c]), tolerance))
-                    << x << ' ' << c << ' ' << image.at(x, 32)[c] << ' ' << expected[c];
+                EXPECT_WITHIN(double(image.at(x, 32)[c]), double(expected[c]), tolerance) << x << ' ' << c;
         }
         EXPECT_EQ(image.at(0, 0), Rgb());
         EXPECT_FALSE(shows_sphere(64, 0, 0));
@@ -54,8 +53,8 @@ TEST(Pictures, ADistantLightShowsTheBrdfItself) {
         for (int x = 0; x < 64; ++x) {
             const double nx = (2 * x + 1 - 64) / 64.0, ny = (63 - 2 * y) / 64.0, nz2 = 1 - nx * nx - ny * ny;
             const double cosine = nz2 > 0 ? std::max(0.0, dot(l, Vec3d{nx, ny, std::sqrt(nz2)})) : 0;
-            ASSERT_TRUE(near(double(image.at(x, y).r), 0.5 * cosine, 1e-5));
-            ASSERT_TRUE(near(double(image.at(x, y).b), 2 * cosine, 1e-5));
+            ASSERT_WITHIN(double(image.at(x, y).r), 0.5 * cosine, 1e-5);
+            ASSERT_WITHIN(double(image.at(x, y).b), 2 * cosine, 1e-5);
         }
 }
 
@@ -79,7 +78,7 @@ TEST(Pictures, ASmallSourceShowsTheSameAsADistantLightOfItsPower) {
     double of_disc = 0, of_light = 0;
     for (std::size_t i = 0; i < images[0][0].pixels.size(); ++i)
         of_disc += double(images[0][0].pixels[i].g), of_light += double(images[1][0].pixels[i].g);
-    EXPECT_TRUE(near(of_disc, of_light, 0.02 * of_light));
+    EXPECT_WITHIN(of_disc, of_light, 0.02 * of_light);
 }
 
 TEST(Pictures, OfIsotropicBrdfsMayShareValues) {
@@ -90,7 +89,7 @@ TEST(Pictures, OfIsotropicBrdfsMayShareValues) {
         for (std::size_t brdf = 0; brdf < 2; ++brdf)
             for (std::size_t i = 0; i < shared[k][brdf].pixels.size(); ++i) {
                 const float L = one_by_one[k][brdf].pixels[i].g;
-                EXPECT_TRUE(near(shared[k][brdf].pixels[i].g, L, 1e-4 * double(L)));
+                EXPECT_WITHIN(shared[k][brdf].pixels[i].g, L, 1e-4 * double(L));
             }
 }
 
@@ -131,9 +130,9 @@ TEST(Pictures, OnlyBrightnessRelativeToTheReferenceMatters) {
     };
     const Evaluate one[] = {scaled(1.1)}, hundred[] = {scaled(110)};
     const Appearance a = compare_pictures(scaled(1), one)[0], b = compare_pictures(scaled(100), hundred)[0];
-    EXPECT_TRUE(near(a.mean.delta_e, b.mean.delta_e, 1e-3));
-    EXPECT_TRUE(near(a.mean.rms, 0.1, 1e-5));
-    EXPECT_TRUE(near(b.mean.rms, 0.1, 1e-5));
+    EXPECT_WITHIN(a.mean.delta_e, b.mean.delta_e, 1e-3);
+    EXPECT_WITHIN(a.mean.rms, 0.1, 1e-5);
+    EXPECT_WITHIN(b.mean.rms, 0.1, 1e-5);
     // A tenth more light is seen, and not much: a few just noticeable differences.
     EXPECT_GT(a.mean.delta_e, 1);
     EXPECT_LT(a.mean.delta_e, 10);
@@ -141,10 +140,10 @@ TEST(Pictures, OnlyBrightnessRelativeToTheReferenceMatters) {
 
 TEST(DeltaEItp, OfKnownColours) {
     // White of 100 cd/m² has I = 0.508 on the perceptual quantiser's scale, black 7e-7; grey is neither red nor blue.
-    EXPECT_TRUE(near(delta_e_itp({1, 1, 1}, {0, 0, 0}), 720 * 0.50808, 0.1));
+    EXPECT_WITHIN(delta_e_itp({1, 1, 1}, {0, 0, 0}), 720 * 0.50808, 0.1);
     EXPECT_EQ(delta_e_itp({0.2f, 0.3f, 0.4f}, {0.2f, 0.3f, 0.4f}), 0);
-    EXPECT_TRUE(
-        near(delta_e_itp({0.2f, 0.3f, 0.4f}, {0.5f, 0.1f, 0}), delta_e_itp({0.5f, 0.1f, 0}, {0.2f, 0.3f, 0.4f}), 1e-9));
+    EXPECT_WITHIN(delta_e_itp({0.2f, 0.3f, 0.4f}, {0.5f, 0.1f, 0}), delta_e_itp({0.5f, 0.1f, 0}, {0.2f, 0.3f, 0.4f}),
+                  1e-9);
     // Hue counts: red and green of one luminance are far apart.
     EXPECT_GT(delta_e_itp({0.5f, 0, 0}, {0, 0.1486f, 0}), 100);
 }

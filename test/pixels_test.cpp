@@ -61,11 +61,11 @@ TEST(Pixels, ErrorIsASquareWhereNothingIsSeenAndLinearBeyond) {
     const double little = delta_e(reference, near_it), much = delta_e(reference, far);
     ASSERT_LT(little, 0.1);
     ASSERT_GT(much, 30);
-    EXPECT_TRUE(near_relative(error(reference, near_it), little * little, 0.02));
-    EXPECT_TRUE(near_relative(error(reference, far), 2 * (much - 1), 0.01));
+    EXPECT_WITHIN_RELATIVE(error(reference, near_it), little * little, 0.02);
+    EXPECT_WITHIN_RELATIVE(error(reference, far), 2 * (much - 1), 0.01);
     const Case one{{reference}, {far}};
     const Aligned<float> columns = one.columns();
-    EXPECT_TRUE(near_relative(one.pixels.delta_e(0, Case::colours(columns)), much, 1e-4));
+    EXPECT_WITHIN_RELATIVE(one.pixels.delta_e(0, Case::colours(columns)), much, 1e-4);
 }
 
 TEST(Pixels, WhatBothClipIsEqual) {
@@ -88,7 +88,7 @@ TEST(Pixels, ErrorsAreThoseOfEachPixel) {
     double of_blocks = 0;
     PixelSlopes slopes;
     for (std::size_t block = 0; block < one.pixels.blocks(); ++block) of_blocks += one.error(slopes, block);
-    EXPECT_TRUE(near_relative(of_blocks, sum, 1e-5));
+    EXPECT_WITHIN_RELATIVE(of_blocks, sum, 1e-5);
 }
 
 TEST(Pixels, SlopeIsThatOfTheError) {
@@ -111,7 +111,7 @@ TEST(Pixels, SlopeIsThatOfTheError) {
             difference[c] = (exact_error(one.reference[p], more) - exact_error(one.reference[p], less)) / (2 * step);
         }
         const double size = std::hypot(difference[0], difference[1], difference[2]);
-        for (std::size_t c = 0; c < 3; ++c) EXPECT_TRUE(near(slope[c], difference[c], 1e-3 * size)) << p << " " << c;
+        for (std::size_t c = 0; c < 3; ++c) EXPECT_WITHIN(slope[c], difference[c], 1e-3 * size) << p << " " << c;
     }
     // Nothing is seen beyond the last pixel.
     for (std::size_t p = one.reference.size(); p < k_block; ++p)

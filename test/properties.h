@@ -1,9 +1,10 @@
-// Parts of all tests: comparisons that fail for NaN, the location of data, random directions.
+// Parts of all tests: expectations of numbers and texts, the location of data, random directions.
 #pragma once
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <filesystem>
+#include <string_view>
 
 #include "brdf/directions.h"
 #include "srbf/vec.h"
@@ -14,6 +15,20 @@ namespace srbf {
 inline bool near(double a, double b, double tolerance) { return std::isfinite(a) && std::abs(a - b) <= tolerance; }
 /// |a − b| ≤ tolerance |b|, with a finite.
 inline bool near_relative(double a, double b, double tolerance) { return near(a, b, tolerance * std::abs(b)); }
+/// Expects what these predicates say, and prints the three numbers if they are false.
+#define EXPECT_WITHIN(a, b, tolerance) EXPECT_PRED3(::srbf::near, a, b, tolerance)
+#define ASSERT_WITHIN(a, b, tolerance) ASSERT_PRED3(::srbf::near, a, b, tolerance)
+#define EXPECT_WITHIN_RELATIVE(a, b, tolerance) EXPECT_PRED3(::srbf::near_relative, a, b, tolerance)
+
+/// Expects that a text contains a part, or lacks it. A failure prints the part and the beginning of the text.
+#define EXPECT_CONTAINS(text, part) EXPECT_PRED_FORMAT2(::srbf::contains, text, part)
+#define EXPECT_LACKS(text, part) EXPECT_PRED_FORMAT2(::srbf::lacks, text, part)
+inline testing::AssertionResult contains(const char*, const char*, std::string_view text, std::string_view part) {
+    return testing::AssertionResult(text.find(part) != text.npos) << part << "\nis not in\n" << text.substr(0, 4096);
+}
+inline testing::AssertionResult lacks(const char*, const char*, std::string_view text, std::string_view part) {
+    return testing::AssertionResult(text.find(part) == text.npos) << part << "\nis in\n" << text.substr(0, 4096);
+}
 
 /// The measurements bundled with the project.
 inline std::filesystem::path bundled_data() { return std::filesystem::path(SRBF_SOURCE_DIR) / "data"; }

@@ -133,8 +133,7 @@ TEST_F(RuntimeHeader, ValuesAreThoseOfTheLibrary) {
                 const Vec3f wl = direction(random, i), wv = i % 3 ? direction(random, i) : mirror(wl);
                 const Rgb expected = value(opened.model, wl, wv), found = value(runtime, opened.brdf, wl, wv);
                 for (int c = 0; c < 3; ++c)
-                    ASSERT_TRUE(near(found[c], expected[c], 1e-4 * double(expected[c]) + 1e-6))
-                        << opened.name << options << ": " << found[c] << " for " << expected[c];
+                    ASSERT_WITHIN(found[c], expected[c], 1e-4 * double(expected[c]) + 1e-6) << opened.name << options;
             }
         }
     }
@@ -157,8 +156,8 @@ TEST_F(RuntimeHeader, IsTheSameWithFastMath) {
                 const float density = exact.value_pdf(opened.brdf, &wl.x, &wv.x, &f.r),
                             found_density = fast.value_pdf(opened.brdf, &wl.x, &wv.x, &found.r);
                 for (int c = 0; c < 3; ++c)
-                    ASSERT_TRUE(near(found[c], f[c], 1e-4 * double(f[c]) + 1e-6)) << opened.name << compiler << options;
-                ASSERT_TRUE(near(found_density, density, 1e-4 * density + 1e-6)) << opened.name << compiler << options;
+                    ASSERT_WITHIN(found[c], f[c], 1e-4 * double(f[c]) + 1e-6) << opened.name << compiler << options;
+                ASSERT_WITHIN(found_density, density, 1e-4 * density + 1e-6) << opened.name << compiler << options;
             }
         }
     }
@@ -218,19 +217,19 @@ TEST_F(RuntimeHeader, SamplesFollowTheirDensity) {
                 observed[light.pdf > 0 ? bins.index(to_double(light.wl)) : expected.size() - 1] += 1;
                 if (!(light.pdf > 0)) continue;
                 const float density = pdf(runtime, opened.brdf, light.wl, wv);
-                ASSERT_TRUE(near(light.pdf, density, 1e-3 * density)) << opened.name;
+                ASSERT_WITHIN(light.pdf, density, 1e-3 * density) << opened.name;
                 Rgb f;
                 ASSERT_EQ(runtime.value_pdf(opened.brdf, &light.wl.x, &wv.x, &f.r), density) << opened.name;
                 const double cosine = std::abs(double(light.wl.z));
-                ASSERT_TRUE(
-                    near(light.weight.g, double(f.g) * cosine / double(density), 2e-3 * double(light.weight.g) + 1e-6));
+                ASSERT_WITHIN(light.weight.g, double(f.g) * cosine / double(density),
+                              2e-3 * double(light.weight.g) + 1e-6);
                 weights += double(light.weight.g);
             }
             EXPECT_GT(chi2_p_value(observed, expected), sidak(0.01, tests)) << opened.name << " at " << z;
             if (!has_one_albedo(opened.model)) continue;
             Rgb albedo;
             runtime.albedo(opened.brdf, float(z), &albedo.r);
-            EXPECT_TRUE(near(weights / draws, albedo.g, 0.05 * double(albedo.g) + 0.002)) << opened.name << " at " << z;
+            EXPECT_WITHIN(weights / draws, albedo.g, 0.05 * double(albedo.g) + 0.002) << opened.name << " at " << z;
             EXPECT_LT(expected.back(), 0.1 * draws) << opened.name << " at " << z;
         }
     }
@@ -246,7 +245,7 @@ TEST_F(RuntimeHeader, AlbedosAreThoseOfTheLibrary) {
             Rgb found;
             runtime.albedo(opened.brdf, z, &found.r);
             for (int c = 0; c < 3; ++c)
-                EXPECT_TRUE(near(found[c], expected[c], 0.03 * double(expected[c]) + 0.002)) << opened.name << " " << z;
+                EXPECT_WITHIN(found[c], expected[c], 0.03 * double(expected[c]) + 0.002) << opened.name << " " << z;
         }
     }
 }

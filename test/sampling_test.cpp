@@ -155,7 +155,7 @@ TEST_F(Sampling, SamplesFollowDensitiesThatIntegrateToOne) {
             for (double& mass : expected) total_mass += mass, mass *= count;
             const double lost = observed.back() / count;
             // The fraction of samples that are lost has its own statistical error. For most it is 0.
-            EXPECT_TRUE(near(total_mass + lost, 1, 1e-3 + 4 * std::sqrt(lost / count))) << name << ' ' << theta;
+            EXPECT_WITHIN(total_mass + lost, 1, 1e-3 + 4 * std::sqrt(lost / count)) << name << ' ' << theta;
             expected.push_back(count * std::max(0.0, 1 - total_mass));
             EXPECT_GT(chi2_p_value(observed, expected), significance) << name << ' ' << theta;
         }
@@ -302,8 +302,8 @@ TEST_F(Sampling, JacobianOfEachWarpTimesItsDensityIsOne) {
         const Vec3d derivative1 = (0.5 / h) * (warp(u1 + h, u2) - warp(u1 - h, u2)),
                     derivative2 = (0.5 / h) * (warp(u1, u2 + h) - warp(u1, u2 - h)),
                     area = cross(derivative1, derivative2);
-        EXPECT_TRUE(near(std::sqrt(dot(area, area)) * density(w), 1, 2e-4)) << name << ' ' << u1 << ' ' << u2;
-        EXPECT_TRUE(near(dot(w, w), 1, 1e-12)) << name;
+        EXPECT_WITHIN(std::sqrt(dot(area, area)) * density(w), 1, 2e-4) << name << ' ' << u1 << ' ' << u2;
+        EXPECT_WITHIN(dot(w, w), 1, 1e-12) << name;
     };
     for (int i = 0; i < 300; ++i) {
         const Vec3d wv = random_direction(random, 0.02);
@@ -344,8 +344,8 @@ TEST_F(Sampling, LobesAreMirroredAtTheHorizon) {
             if (k < SRBF_FIRST_HALF_VECTOR_LOBE) return D::vmf_pdf(w, specular, bandwidth);
             return half_vector_pdf(w, wv, D::half_vector_lobe(D::stretched(wv, map), map.inverse, bandwidth, 2.0), map);
         };
-        EXPECT_TRUE(near_relative(D::proposal_lobe_pdf(k, D::proposal_point(wl, wv, map, 2.0)),
-                                  unmirrored(wl) + unmirrored({wl.x, wl.y, -wl.z}), 2e-7));
+        EXPECT_WITHIN_RELATIVE(D::proposal_lobe_pdf(k, D::proposal_point(wl, wv, map, 2.0)),
+                               unmirrored(wl) + unmirrored({wl.x, wl.y, -wl.z}), 2e-7);
     }
 }
 
@@ -393,8 +393,8 @@ TEST_F(Sampling, LobesStretchAlongTheGrain) {
     const MixtureProposal isotropic = propose(evaluator(brushed)),
                           stretched = propose(evaluator(brushed), {.azimuths = 8});
     EXPECT_EQ(isotropic.cosine * isotropic.cosine + isotropic.sine * isotropic.sine, 0);
-    for (const HalfVectorShape& shape : stretched.shape) EXPECT_TRUE(near(double(shape.stretch), 5, 1.1));
-    EXPECT_TRUE(near(std::atan2(double(stretched.sine), double(stretched.cosine)), 0.7, 0.14));
+    for (const HalfVectorShape& shape : stretched.shape) EXPECT_WITHIN(double(shape.stretch), 5, 1.1);
+    EXPECT_WITHIN(std::atan2(double(stretched.sine), double(stretched.cosine)), 0.7, 0.14);
     const PolarBins bins = half_vector_bins();
     const double significance = sidak(0.01, 6);
     for (const double theta : {0.0, 45.0, 75.0})
@@ -420,7 +420,7 @@ TEST_F(Sampling, LobesStretchAlongTheGrain) {
                 const Vec3f wl = sample(stretched, wv, draw3());
                 observed[wl.z > 0 ? bins.index(half_vector(wl, wv)) : bins.size()] += 1;
             }
-            EXPECT_TRUE(near(total_mass + observed.back() / count, 1, 2e-3)) << theta << ' ' << phi;
+            EXPECT_WITHIN(total_mass + observed.back() / count, 1, 2e-3) << theta << ' ' << phi;
             expected.push_back(count * std::max(0.0, 1 - total_mass));
             EXPECT_GT(chi2_p_value(observed, expected), significance) << theta << ' ' << phi;
         }
@@ -444,7 +444,7 @@ TEST_F(Sampling, WeightsSumToOneAndTheCosineKeepsItsMinimum) {
             const auto weight = weights_of(material->pm_proposal, node);
             float sum = 0;
             for (const float w : weight) sum += w;
-            EXPECT_TRUE(near(double(sum), 1, 1e-5));
+            EXPECT_WITHIN(double(sum), 1, 1e-5);
             EXPECT_GE(*std::min_element(weight.begin(), weight.end()), 0);
             EXPECT_GE(weight[0], 0.9f * k_least_cosine);
         }
@@ -491,8 +491,7 @@ TEST_F(Sampling, TheMirrorDirectionHasADensity) {
                                                                      beside = normalize(mirrored + Vec3f(0, 3e-4f, 0));
                 const double density = double(pdf(proposal, mirrored, wv)),
                              density_beside = double(pdf(proposal, beside, wv));
-                EXPECT_TRUE(near_relative(density, density_beside, 0.5))
-                    << name << " " << theta << ": " << density << " " << density_beside;
+                EXPECT_WITHIN_RELATIVE(density, density_beside, 0.5) << name << " " << theta;
             }
         });
 }
@@ -508,7 +507,7 @@ TEST_F(Sampling, ExtremeModelsCanBeSampled) {
             const LightSample light_sample = sample(model, proposal, wv, u);
             EXPECT_TRUE(std::isfinite(light_sample.pdf) && light_sample.pdf >= 0 && is_finite(light_sample.weight));
             if (light_sample.pdf > 0) {
-                EXPECT_TRUE(near(double(dot(light_sample.wl, light_sample.wl)), 1, 1e-5));
+                EXPECT_WITHIN(double(dot(light_sample.wl, light_sample.wl)), 1, 1e-5);
             }
         }
     }

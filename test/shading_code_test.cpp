@@ -522,10 +522,10 @@ TEST_F(ShadingCode, BlendsAreSums) {
 TEST(ShadingCodeText, ContainsOnlyWhatTheModelNeeds) {
     const std::vector<NamedModel> one{{"m", &models()[0]}};
     const std::string plain = *shading_code(one, "m", {}), sampled = *shading_code(one, "m", {.sampling = true});
-    EXPECT_EQ(plain.find("PmFeatures"), plain.npos);  // this form has none
-    EXPECT_EQ(plain.find("m_sample("), plain.npos);
-    EXPECT_NE(sampled.find("m_sample("), sampled.npos);
-    EXPECT_EQ(sampled.find("m_albedo("), sampled.npos);
+    EXPECT_LACKS(plain, "PmFeatures");  // this form has none
+    EXPECT_LACKS(plain, "m_sample(");
+    EXPECT_CONTAINS(sampled, "m_sample(");
+    EXPECT_LACKS(sampled, "m_albedo(");
     for (const CodeLanguage language :
          {CodeLanguage::glsl, CodeLanguage::hlsl, CodeLanguage::wgsl, CodeLanguage::msl, CodeLanguage::c})
         for (const char c : code(language, false)) ASSERT_TRUE(c == '\n' || (c >= ' ' && c < 0x7f)) << int(c);
@@ -535,8 +535,8 @@ TEST(ShadingCodeText, StoredNumbersAreConstants) {
     const auto& pm = std::get<PmModel>(models()[1].model);
     const std::string text = *shading_code(std::vector<NamedModel>{{"m", &models()[1]}}, "m", {});
     const std::string rows = text.substr(text.find("m_lobes["));
-    for (const float number : pm.exponent) EXPECT_NE(rows.find(fmt::format(" {}", number)), rows.npos) << number;
-    for (const float number : pm.bandwidth) EXPECT_NE(rows.find(fmt::format("{}", number)), rows.npos) << number;
+    for (const float number : pm.exponent) EXPECT_CONTAINS(rows, fmt::format(" {}", number)) << number;
+    for (const float number : pm.bandwidth) EXPECT_CONTAINS(rows, fmt::format("{}", number)) << number;
 }
 
 TEST(ShadingCodeText, NamesAreIdentifiers) {

@@ -27,7 +27,7 @@ TEST(Utia, InterpolatesItsNodes) {
         const Vec3f wl = to_float(spherical(l * 15 * k_degree, p * 7.5 * k_degree));
         const Vec3f wv = to_float(spherical(v * 15 * k_degree, q * 7.5 * k_degree));
         const Rgb f = value(t, wl, wv);
-        for (int c = 0; c < 3; ++c) EXPECT_PRED3(near_relative, f[c], function_at(l, p, v, q, c), 3e-4);
+        for (int c = 0; c < 3; ++c) EXPECT_WITHIN_RELATIVE(f[c], function_at(l, p, v, q, c), 3e-4);
     }
 }
 

@@ -115,8 +115,7 @@ TEST(Versions, FilesOfEachAreReadAndMeanTheSame) {
         const auto expected = values_in(fs::path(entry.path()).replace_extension(".csv")), found = values_of(*loaded);
         ASSERT_EQ(found.size(), expected.size());
         for (std::size_t i = 0; i < found.size(); ++i)
-            for (int c = 0; c < 3; ++c)
-                EXPECT_TRUE(near(found[i][c], expected[i][c], 1e-4 * expected[i][c] + 1e-7)) << i;
+            for (int c = 0; c < 3; ++c) EXPECT_WITHIN(found[i][c], expected[i][c], 1e-4 * expected[i][c] + 1e-7) << i;
         if (entry.path().parent_path().filename() != k_current) continue;
         const auto bytes = *read_file(entry.path().string());
         if (entry.path().stem().string().starts_with("pbr")) continue;  // a kind that is written by another name now
@@ -129,7 +128,7 @@ TEST(Versions, SomeAreRefusedInOneLine) {
     for (const auto& [name, found] : k_refused) {
         const auto loaded = load_brdf((k_folder / "1" / (name + ".srbf")).string());
         ASSERT_FALSE(loaded);
-        EXPECT_NE(message(loaded.error()).find("found " + found), std::string::npos) << message(loaded.error());
+        EXPECT_CONTAINS(message(loaded.error()), "found " + found);
     }
     EXPECT_FALSE(load_brdf((k_folder / "1" / "stack.srbf#1").string()));
 }
@@ -140,7 +139,7 @@ TEST(Versions, AFileOfEachKindIsKept) {
         EXPECT_TRUE(fs::exists(k_folder / k_current / (name + ".srbf"))) << name;
     const auto bytes = write_model(models_of_today().begin()->second);
     const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    EXPECT_NE(text.find("\"srbf\":\"" + k_current + "\""), text.npos) << "a new version needs a folder of files";
+    EXPECT_CONTAINS(text, "\"srbf\":\"" + k_current + "\"") << "a new version needs a folder of files";
 }
 
 }  // namespace

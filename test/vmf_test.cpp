@@ -44,7 +44,7 @@ TYPED_TEST(VmfOf, DensityIntegratesToOne) {
             double sum = 0;
             const auto pdf = [&](Vec3d w) { return this->pdf(w, centre, bandwidth); };
             for (const double mass : bins_about(centre, bandwidth).masses(pdf)) sum += mass;
-            EXPECT_TRUE(near(sum, 1, 5e-4)) << bandwidth;
+            EXPECT_WITHIN(sum, 1, 5e-4) << bandwidth;
         }
     }
 }
@@ -92,7 +92,7 @@ TEST(Vmf, AreaOfTheWarpTimesTheDensityIsOne) {
             };
             const Vec3d area = cross(by(h, 0), by(0, h));
             const Vec3d w = K::sample_vmf(centre, bandwidth, u1, u2);
-            EXPECT_TRUE(near(std::sqrt(dot(area, area)) * K::vmf_pdf(w, centre, bandwidth), 1, 1e-5)) << bandwidth;
+            EXPECT_WITHIN(std::sqrt(dot(area, area)) * K::vmf_pdf(w, centre, bandwidth), 1, 1e-5) << bandwidth;
         }
     }
 }
@@ -105,7 +105,7 @@ TYPED_TEST(VmfOf, EveryDrawIsADirection) {
             for (const double u1 : edges)
                 for (const double u2 : edges) {
                     const Vec3d w = this->sample(centre, bandwidth, u1, u2);
-                    EXPECT_TRUE(near(dot(w, w), 1, 1e-5)) << bandwidth << ' ' << u1 << ' ' << u2;
+                    EXPECT_WITHIN(dot(w, w), 1, 1e-5) << bandwidth << ' ' << u1 << ' ' << u2;
                 }
 }
 

@@ -21,10 +21,10 @@ TEST_F(BlenderScript, HasTablesOfEachMaterial) {
     const ProgramRun result =
         run(folder, {"export", "a.srbf", "m.binary", "--to", "blender", "--terms", "1", "-o", "o.py"});
     ASSERT_EQ(result.status, 0) << result.err;
-    EXPECT_NE(result.out.find("a: ΔE_ITP"), result.out.npos) << result.out;
+    EXPECT_CONTAINS(result.out, "a: ΔE_ITP");
     const std::string script = contents(folder / "o.py");
-    EXPECT_NE(script.find("(\"a\", 24, 1, ["), script.npos);
-    EXPECT_NE(script.find("(\"m\", 24, 1, ["), script.npos);
+    EXPECT_CONTAINS(script, "(\"a\", 24, 1, [");
+    EXPECT_CONTAINS(script, "(\"m\", 24, 1, [");
     if (std::system("python3 -c '' > /dev/null 2>&1") != 0) GTEST_SKIP();
     // Three rows of 24 texels; all shapes and weights are in their ranges. Without Blender nothing is made.
     write(folder / "check.py",
@@ -41,7 +41,7 @@ TEST_F(BlenderScript, IsRefusedForOtherInput) {
     const auto refused = [&](const Arguments& arguments, const std::string& words) {
         const ProgramRun result = run(folder, Arguments{"export"} + arguments + Arguments{"-o", "o"});
         EXPECT_NE(result.status, 0);
-        EXPECT_NE(result.err.find(words), result.err.npos) << result.err;
+        EXPECT_CONTAINS(result.err, words);
     };
     refused({"surface.srbf", "--to", "blender"}, "--to principled");
     refused({"bsdf.srbf", "--to", "blender"}, "transmission");

@@ -34,8 +34,8 @@ TEST(Closures, EqualTheClosedFormula) {
                      D = std::exp(-tan2 / a2) / (k_pi * a2 * std::pow(h.z, 4)),
                      f = D / (4 * wl.z * wv.z * (1 + lambda(wl.z) + lambda(wv.z)));
         const Rgb found = value(sum, to_float(wl), to_float(wv));
-        EXPECT_PRED3(near_relative, found.r, 0.5 * f + 0.1 / k_pi, 2e-3) << i;
-        EXPECT_PRED3(near_relative, found.b, f + 0.3 / k_pi, 2e-3) << i;
+        EXPECT_WITHIN_RELATIVE(found.r, 0.5 * f + 0.1 / k_pi, 2e-3) << i;
+        EXPECT_WITHIN_RELATIVE(found.b, f + 0.3 / k_pi, 2e-3) << i;
     }
 }
 
@@ -62,10 +62,10 @@ TEST(Closures, AreTiltedInThePlaneOfIncidence) {
             return to_float(
                 Vec3d{std::cos(turn) * w.x - std::sin(turn) * w.y, std::sin(turn) * w.x + std::cos(turn) * w.y, w.z});
         };
-        EXPECT_PRED3(near, value(sum, turned(wl), turned(wv)).r, found.r, 1e-4 * found.r + 1e-6);
+        EXPECT_WITHIN(value(sum, turned(wl), turned(wv)).r, found.r, 1e-4 * found.r + 1e-6);
         const Vec3d light{dot(wl, away), dot(wl, side), wl.z}, viewer{-std::sin(theta), 0, std::cos(theta)};
         const double term = ClosureTerm({0.4f, 0.5, 0.3f}, viewer).value({light, viewer});
-        EXPECT_PRED3(near, found.r * wl.z, term, 1e-3 * term + 1e-6);
+        EXPECT_WITHIN(found.r * wl.z, term, 1e-3 * term + 1e-6);
     }
     EXPECT_EQ(value(sum, {0, 0, -1}, {0, 0, 1}), Rgb{});
 }
@@ -91,7 +91,7 @@ TEST(Closures, HaveTheDerivativesOfTheirShapes) {
             };
             const double below = changed(-k_step), above = changed(k_step);
             if (!(below > 0 && above > 0) || std::abs(shape[2]) < 2 * k_step) continue;
-            EXPECT_PRED3(near, found[p], (above - below) / (2 * k_step), 2e-3 * std::abs(found[p]) + 1e-4 * value);
+            EXPECT_WITHIN(found[p], (above - below) / (2 * k_step), 2e-3 * std::abs(found[p]) + 1e-4 * value);
             ++compared;
         }
     }
@@ -110,7 +110,7 @@ TEST(Closures, HaveADiffuseRamp) {
     for (int i = 0; i < 100; ++i) {
         const Rgb found =
             value(sum, to_float(random_direction(random, 0.01)), to_float(random_direction(random, 0.01)));
-        for (int c = 0; c < 3; ++c) EXPECT_PRED3(near_relative, found[c], 0.2 * (c + 1) / k_pi, 1e-4);
+        for (int c = 0; c < 3; ++c) EXPECT_WITHIN_RELATIVE(found[c], 0.2 * (c + 1) / k_pi, 1e-4);
     }
     for (std::size_t i = 0; i < sum.diffuse.size(); ++i)
         if (i % 7 > 3) sum.diffuse[i] = {0.3f, 0.3f, 0.3f};  // a surface that is flatter than Lambert's
@@ -166,8 +166,8 @@ TEST(Closures, ShowMirrorLikeAndMatteSurfaces) {
         const Evaluate fitted = evaluator(*fit);
         EXPECT_LT(delta_e(surface, fitted), most_error);
         for (const double theta : {5.0, 40.0, 65.0})
-            EXPECT_PRED3(near_relative, albedo(fitted, theta * k_degree, k_pi / 2).g,
-                         albedo(surface, theta * k_degree, k_pi / 2).g, 0.1)
+            EXPECT_WITHIN_RELATIVE(albedo(fitted, theta * k_degree, k_pi / 2).g,
+                                   albedo(surface, theta * k_degree, k_pi / 2).g, 0.1)
                 << theta;
     }
 }

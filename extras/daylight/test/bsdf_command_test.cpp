@@ -52,14 +52,14 @@ TEST_F(OfShade, is_fitted_and_evaluated_on_both_sides) {
         if (lines.number() > 1) green.push_back(*to_number<double>(fields[7]));
     }
     ASSERT_EQ(green.size(), 4u);
-    EXPECT_PRED3(near, green[0], 0.05, 2e-3);
-    EXPECT_PRED3(near, green[1], 0.05, 2e-3);
-    EXPECT_PRED3(near_relative, green[2], 2 * green[3], 0.1);
+    EXPECT_WITHIN(green[0], 0.05, 2e-3);
+    EXPECT_WITHIN(green[1], 0.05, 2e-3);
+    EXPECT_WITHIN_RELATIVE(green[2], 2 * green[3], 0.1);
 
     const ProgramRun info = run(folder, {"info", "shade.srbf"}), file_info = run(folder, {"info", "shade.xml"});
-    EXPECT_NE(info.out.find("transmission_back: by reciprocity"), std::string::npos) << info.out;
-    EXPECT_NE(info.out.find("transmission: 0.08002 at 0°"), std::string::npos) << info.out;
-    EXPECT_NE(file_info.out.find("Visible (here), Solar"), std::string::npos) << file_info.out;
+    EXPECT_CONTAINS(info.out, "transmission_back: by reciprocity");
+    EXPECT_CONTAINS(info.out, "transmission: 0.08002 at 0°");
+    EXPECT_CONTAINS(file_info.out, "Visible (here), Solar");
     const ProgramRun solar =
         run(folder, {"fit", "shade.xml", "--band", "solar", "--lobes", "1", "--axial", "--json", "-"});
     EXPECT_EQ(Json::parse(solar.out)["band"], "Solar") << solar.err;
@@ -83,20 +83,20 @@ TEST_F(OfShade, is_compared_converted_and_exported) {
     const std::string code = contents(folder / "shade.h");
     if (is_offered({"html"})) {
         ASSERT_EQ(run(folder, {"export", "shade.srbf", "--to", "html", "-o", "shade.html"}).status, 0);
-        EXPECT_NE(contents(folder / "shade.html").find("name='behind'"), std::string::npos);
+        EXPECT_CONTAINS(contents(folder / "shade.html"), "name='behind'");
     }
     expect_failure(1, {"export", "shade.srbf", "--to", "html", "--reference", "shade.xml", "-o", "x.html"},
                    "expected a measurement of a BRDF");
     for (const char* function :
          {"shade_bsdf(", "shade_beam(", "shade_reflection_front_brdf", "shade_transmission_front_brdf"})
-        EXPECT_NE(code.find(function), std::string::npos) << function;
-    EXPECT_EQ(code.find("shade_sample("), std::string::npos);
+        EXPECT_CONTAINS(code, function);
+    EXPECT_LACKS(code, "shade_sample(");
     if (!is_offered({"three"})) return;
     BsdfModel film;  // each part takes seconds
     film.part[std::size_t(Part::transmission_front)] = random_part(1, {.lobes = 1});
     ASSERT_TRUE(save_model({film, {}}, folder / "film.srbf").ok());
     ASSERT_EQ(run(folder, {"export", "film.srbf", "--to", "three", "-o", "film.js"}).status, 0);
-    EXPECT_NE(contents(folder / "film.js").find("class FilmTransmissionFrontMaterial"), std::string::npos);
+    EXPECT_CONTAINS(contents(folder / "film.js"), "class FilmTransmissionFrontMaterial");
 }
 
 TEST_F(OfShade, is_fitted_view_by_view_and_by_lambert_and_ggx) {
@@ -145,9 +145,9 @@ TEST_F(OfShade, is_fitted_among_many) {
                                            "2",   "--axial",   "--threads", "2",       "--resume"};
     const ProgramRun first = run(folder, command), second = run(folder, command);
     EXPECT_EQ(first.status, 1);
-    EXPECT_NE(first.err.find("bad.xml"), std::string::npos) << first.err;
-    EXPECT_NE(first.out.find("3 fitted"), std::string::npos) << first.out;
-    EXPECT_NE(second.out.find("3 kept"), std::string::npos) << second.out;
+    EXPECT_CONTAINS(first.err, "bad.xml");
+    EXPECT_CONTAINS(first.out, "3 fitted");
+    EXPECT_CONTAINS(second.out, "3 kept");
     // The model is the same as when fitted alone, except for its provenance.
     const auto alone = load_model(folder / "shade.srbf"), among = load_model(folder / "models/shade.srbf");
     ASSERT_TRUE(alone.ok() && among.ok());

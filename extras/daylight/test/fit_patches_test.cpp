@@ -57,7 +57,7 @@ TEST(FitPatches, SmallShade) {
     ASSERT_EQ(fitted->parts.size(), 4u);
     EXPECT_FALSE(fitted->parts[1].answered_by.has_value());
     EXPECT_EQ(fitted->parts[3].answered_by, Part::transmission_front);
-    EXPECT_PRED3(near, fitted->parts[2].hemispherical[0].fitted, 0.05 * k_pi + 0.08, 1e-3);
+    EXPECT_WITHIN(fitted->parts[2].hemispherical[0].fitted, 0.05 * k_pi + 0.08, 1e-3);
     request.threads = 1;
     const auto again = fit_bsdf(*measured, request);
     EXPECT_EQ(write_model(again->model), write_model(fitted->model));
@@ -128,10 +128,10 @@ TEST(FitPatches, TotalsAreKept) {
                 for (const std::size_t back : {0, 1}) {
                     if (back && !is_two_sided(brdf)) continue;  // of light from the front alone
                     const double last = beam * 0.4, end = beam * (1 - scattered);
-                    EXPECT_PRED3(near, total(brdf, Part(back), 0), 0.08 * beam + scattered, 0.01);
-                    EXPECT_PRED3(near, total(brdf, Part(back), 76.5), last + scattered, 0.02);
-                    EXPECT_PRED3(near, total(brdf, Part(back), 85), last + scattered + (end - last) * 17 / 27, 0.02);
-                    EXPECT_PRED3(near, total(brdf, Part(2 + back), 85), beam * 0.2 * 10 / 27, 0.01);
+                    EXPECT_WITHIN(total(brdf, Part(back), 0), 0.08 * beam + scattered, 0.01);
+                    EXPECT_WITHIN(total(brdf, Part(back), 76.5), last + scattered, 0.02);
+                    EXPECT_WITHIN(total(brdf, Part(back), 85), last + scattered + (end - last) * 17 / 27, 0.02);
+                    EXPECT_WITHIN(total(brdf, Part(2 + back), 85), beam * 0.2 * 10 / 27, 0.01);
                 }
         }
 }
@@ -159,20 +159,20 @@ TEST(FitPatches, RollerShade) {
     EXPECT_LE(payload_bytes(fit->fitted.model), 400u);  // from 2 MB
     ASSERT_EQ(fit->fitted.parts.size(), 4u);
     for (const PartFit& part : fit->fitted.parts) {
-        EXPECT_PRED3(near, part.squared_error_ratio, 0, 2e-3) << name(part.part);
+        EXPECT_WITHIN(part.squared_error_ratio, 0, 2e-3) << name(part.part);
         ASSERT_EQ(part.hemispherical.size(), 9u);
         for (const Hemispherical& sum : part.hemispherical)
-            EXPECT_PRED3(near, sum.fitted, sum.measured, std::max(0.02 * sum.measured, 0.002)) << name(part.part);
+            EXPECT_WITHIN(sum.fitted, sum.measured, std::max(0.02 * sum.measured, 0.002)) << name(part.part);
     }
     EXPECT_LE(fit->fitted.most_fitted, 1);
-    EXPECT_PRED3(near, fit->fitted.most_fitted, fit->fitted.most_measured, 0.005);
+    EXPECT_WITHIN(fit->fitted.most_fitted, fit->fitted.most_measured, 0.005);
 }
 
 TEST(FitPatches, RollerShadeInEvenLight) {
     const Shade* fit = shade();
     if (!fit) GTEST_SKIP() << "no klems/2011-SA1.xml";
     const double matrix = furnace(prepare_bsdf(fit->measured, {.threads = 1}), 64);
-    EXPECT_PRED3(near_relative, expect_furnace(fit->fitted.model), matrix, 0.01);
+    EXPECT_WITHIN_RELATIVE(expect_furnace(fit->fitted.model), matrix, 0.01);
 }
 
 TEST(FitPatches, RollerShadeIsDrawnWithLittleNoise) {

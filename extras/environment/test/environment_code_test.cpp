@@ -20,9 +20,9 @@ TEST_F(EnvironmentCodes, DrawsAreOfTheEnvironment) {
     const auto text = [&](CodeLanguage language) {
         return *shading_code(std::span(&named, 1), "glossy", {.language = language, .with = {"environment-draws"}});
     };
-    EXPECT_NE(text(CodeLanguage::wgsl).find("fn glossy_environment_sampled(wv: vec3f, count: i32)"), std::string::npos);
-    EXPECT_EQ(text(CodeLanguage::msl).find("glossy_environment_sampled("), std::string::npos);
-    EXPECT_NE(text(CodeLanguage::msl).find("glossy_environment_draw("), std::string::npos);
+    EXPECT_CONTAINS(text(CodeLanguage::wgsl), "fn glossy_environment_sampled(wv: vec3f, count: i32)");
+    EXPECT_LACKS(text(CodeLanguage::msl), "glossy_environment_sampled(");
+    EXPECT_CONTAINS(text(CodeLanguage::msl), "glossy_environment_draw(");
     void* const library = compiled(
         SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "draws",
         text(CodeLanguage::c) +
@@ -75,10 +75,10 @@ TEST_F(EnvironmentCodes, EnvironmentsAreThoseOfTheLibrary) {
     const auto text = [&](CodeLanguage language) {
         return *shading_code(std::span(&named, 1), "glossy", {.language = language, .with = {"environment"}});
     };
-    EXPECT_NE(text(CodeLanguage::wgsl).find("fn glossy_environment(wv: vec3f)"), std::string::npos);
+    EXPECT_CONTAINS(text(CodeLanguage::wgsl), "fn glossy_environment(wv: vec3f)");
     const std::string metal = text(CodeLanguage::msl);
-    EXPECT_EQ(metal.find("glossy_environment("), std::string::npos);
-    EXPECT_NE(metal.find("glossy_environment_lobe("), std::string::npos);
+    EXPECT_LACKS(metal, "glossy_environment(");
+    EXPECT_CONTAINS(metal, "glossy_environment_lobe(");
     void* const library =
         compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "environment",
                  text(CodeLanguage::c) +

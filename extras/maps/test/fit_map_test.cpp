@@ -73,7 +73,7 @@ TEST(FitMap, FilesOfLibrariesAreReadOrRefusedInOneLine) {
     EXPECT_EQ(two->width, two->count());
     const auto sparse = read_map(*read_file((corpus / "sparse").string()), "sparse");
     ASSERT_FALSE(sparse);
-    EXPECT_NE(message(sparse.error()).find("a library of version 0.1"), std::string::npos);
+    EXPECT_CONTAINS(message(sparse.error()), "a library of version 0.1");
 }
 
 TEST(FitMap, TexelsAreFoundByIndexAndPlace) {
@@ -185,7 +185,7 @@ TEST(FitMap, MatteTexelsHaveNoHighlights) {
         std::vector<Rgb> g(l.size());
         evaluate(texel(*map, t), l, v, g);
         for (std::size_t i = 0; i < g.size(); ++i)
-            for (int c = 0; c < 3; ++c) EXPECT_PRED3(near_relative, g[i][c], colours[t][c], 0.15) << t << ' ' << i;
+            for (int c = 0; c < 3; ++c) EXPECT_WITHIN_RELATIVE(g[i][c], colours[t][c], 0.15) << t << ' ' << i;
     }
 }
 

@@ -67,7 +67,7 @@ class MapFiles : public testing::Test {
 TEST_F(MapFiles, texels_share_lobes) {
     const ProgramRun done = map({"t.npy", "--pairs", "p.csv", "--width", "4"});
     ASSERT_EQ(done.status, 0) << done.err;
-    EXPECT_NE(done.out.find("8 texels of 3 shared lobes"), done.out.npos) << done.out;
+    EXPECT_CONTAINS(done.out, "8 texels of 3 shared lobes");
     const auto made = read_map(as_bytes(contents(folder / "m.srbf")), "m");
     ASSERT_TRUE(made) << message(made.error());
     EXPECT_EQ(std::pair(made->width, made->height()), std::pair(std::size_t(4), std::size_t(2)));
@@ -98,7 +98,7 @@ TEST_F(MapFiles, masks_paint_materials) {
     write_npy("m.npy", "(1, 4, 2)", shares);
     const ProgramRun done = map({paper, film, "--masks", "m.npy"});
     ASSERT_EQ(done.status, 0) << done.err;
-    EXPECT_NE(done.out.find("4 × 1 texels of 2 materials"), done.out.npos) << done.out;
+    EXPECT_CONTAINS(done.out, "4 × 1 texels of 2 materials");
     const auto made = read_map(as_bytes(contents(folder / "m.srbf")), "m");
     ASSERT_TRUE(made) << message(made.error());
     const auto beta = [&](std::size_t t, std::size_t j) { return made->coefficient[t * 3 + j]; };
@@ -112,7 +112,7 @@ TEST_F(MapFiles, masks_paint_materials) {
     shares[3] = -1, write_npy("m.npy", "(1, 4, 2)", shares);
     const ProgramRun refused = map({paper, film, "--masks", "m.npy"});
     EXPECT_EQ(refused.status, 1);
-    EXPECT_NE(refused.err.find("share of texel 1: expected a number of at least 0, found -1"), refused.err.npos);
+    EXPECT_CONTAINS(refused.err, "share of texel 1: expected a number of at least 0, found -1");
 }
 
 }  // namespace

@@ -46,8 +46,8 @@ double normals_off(const Mesh& mesh) {
 
 TEST(Mesh, TheSphereIsOne) {
     Mesh mesh = sphere();
-    for (const Vec3f& p : mesh.positions) EXPECT_TRUE(near(dot(p, p), 1, 1e-6));
-    EXPECT_TRUE(near_relative(volume(mesh), 4 * k_pi / 3, 2e-3));
+    for (const Vec3f& p : mesh.positions) EXPECT_WITHIN(dot(p, p), 1, 1e-6);
+    EXPECT_WITHIN_RELATIVE(volume(mesh), 4 * k_pi / 3, 2e-3);
     EXPECT_EQ(mesh.triangles.size(), 2u * 192 * 95);
     check_mesh(mesh);
     // The poles are one point of many numbers.
@@ -71,7 +71,7 @@ TEST(Mesh, TheKnotIsAClosedTube) {
         const Vec3d step = middle(i + 1) - middle(i);
         length += std::sqrt(dot(step, step));
     }
-    EXPECT_TRUE(near_relative(volume(mesh), k_pi * 0.32 * 0.32 * length, 3e-3));
+    EXPECT_WITHIN_RELATIVE(volume(mesh), k_pi * 0.32 * 0.32 * length, 3e-3);
     EXPECT_LT(normals_off(mesh), 0.02);
 }
 
@@ -92,8 +92,11 @@ TEST(Mesh, NormalsAreWeightedByArea) {
     const std::vector<Triangle> t{{0, 1, 2}, {0, 3, 1}};
     const auto n = area_weighted_normals(p, t);
     const float s = 1 / std::sqrt(5.f);
-    for (const std::size_t i : {0u, 1u})
-        EXPECT_TRUE(near(n[i].x, 0, 1e-7) && near(n[i].y, 2 * s, 1e-6) && near(n[i].z, s, 1e-6));
+    for (const std::size_t i : {0u, 1u}) {
+        EXPECT_WITHIN(n[i].x, 0, 1e-7);
+        EXPECT_WITHIN(n[i].y, 2 * s, 1e-6);
+        EXPECT_WITHIN(n[i].z, s, 1e-6);
+    }
     EXPECT_EQ(n[2], (Vec3f{0, 0, 1}));
     EXPECT_EQ(n[3], (Vec3f{0, 1, 0}));
     EXPECT_EQ(n[4], (Vec3f{0, 0, 1}));  // of no triangle
@@ -112,7 +115,8 @@ TEST(Ply, HoldsOneMeshInThreeEncodings) {
         EXPECT_EQ(mesh->positions, (std::vector<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}})) << name;
         EXPECT_EQ(mesh->triangles.size(), name == "ply/ascii" ? 4u : 3u);
         const float s = -1 / std::sqrt(3.f);
-        EXPECT_TRUE(near(mesh->normals[0].x, s, 1e-6) && near(mesh->normals[0].z, s, 1e-6));
+        EXPECT_WITHIN(mesh->normals[0].x, s, 1e-6);
+        EXPECT_WITHIN(mesh->normals[0].z, s, 1e-6);
         EXPECT_EQ(mesh->normals[3], (Vec3f{0, 0, 1}));
         // The binary ones hold a polygon of four corners and a triangle.
         if (name == "ply/ascii")
@@ -167,9 +171,9 @@ TEST(Mesh, BuiltInOnesHavePlacesInAMap) {
             const Vec3f p = globe.positions[globe.triangles[i][k]];
             const Vec2f uv = globe.texture[i][k];
             const double theta = k_pi * double(uv.y), phi = 2 * k_pi * double(uv.x - 0.5f);
-            EXPECT_TRUE(near(p.y, std::cos(theta), 1e-5));
-            EXPECT_TRUE(near(p.x, std::sin(theta) * std::sin(phi), 1e-5) &&
-                        near(p.z, std::sin(theta) * std::cos(phi), 1e-5));
+            EXPECT_WITHIN(p.y, std::cos(theta), 1e-5);
+            EXPECT_WITHIN(p.x, std::sin(theta) * std::sin(phi), 1e-5);
+            EXPECT_WITHIN(p.z, std::sin(theta) * std::cos(phi), 1e-5);
         }
 }
 
@@ -213,20 +217,19 @@ TEST(Ply, BadOnesAreErrors) {
     EXPECT_EQ(error_of(ascii), "none");
     EXPECT_EQ(error_of(ascii, "face 4", "face 0"), "f: faces of the mesh: expected one at least, found none");
     EXPECT_EQ(error_of(ascii, "1 2 3\n", "1 2 4\n"), "f: vertex index of a face: expected below 4, found 4");
-    EXPECT_NE(error_of(ascii, "1 2 3\n", "1 2 -3\n").find("expected a number from 0 on, found -3"), std::string::npos);
-    EXPECT_NE(error_of(ascii, "1 2 3\n", "1 2 3.5\n").find("found 3.5"), std::string::npos);
-    EXPECT_NE(error_of(ascii, "1 0 0 1 0 0", "1 nan 0 1 0 0").find("vertex 2 of 4: expected finite"),
-              std::string::npos);
-    EXPECT_NE(error_of(ascii, "1 0 0 1 0 0", "1 0 1e99 1 0 0").find("vertex 2 of 4"), std::string::npos);
-    EXPECT_NE(error_of(ascii, "1 0 0 1 0 0", "1 0 0 1 inf 0").find("vertex 2 of 4"), std::string::npos);
-    EXPECT_NE(error_of(ascii, "1 0 0 1 0 0", "1 zero 0 1 0 0").find("found 'zero'"), std::string::npos);
-    EXPECT_NE(error_of(ascii, "float y", "float w").find("expected x, y and z"), std::string::npos);
-    EXPECT_NE(error_of(ascii, "float y", "single y").find("line 6: type of a property"), std::string::npos);
-    EXPECT_NE(error_of(ascii, "ascii", "ebcdic").find("line 2: format"), std::string::npos);
-    EXPECT_NE(error_of(ascii, "end_header", "end").find("no end_header"), std::string::npos);
-    EXPECT_NE(error_of(ascii, "element face", "element vertex").find("one vertex, found another"), std::string::npos);
-    EXPECT_NE(error_of(ascii, "uchar int", "float int").find("type of a list's length"), std::string::npos);
-    EXPECT_NE(error_of(ascii, "\n3 1 2 3", "\n3000000000 1 2 3").find("length of a list of face 4"), std::string::npos);
+    EXPECT_CONTAINS(error_of(ascii, "1 2 3\n", "1 2 -3\n"), "expected a number from 0 on, found -3");
+    EXPECT_CONTAINS(error_of(ascii, "1 2 3\n", "1 2 3.5\n"), "found 3.5");
+    EXPECT_CONTAINS(error_of(ascii, "1 0 0 1 0 0", "1 nan 0 1 0 0"), "vertex 2 of 4: expected finite");
+    EXPECT_CONTAINS(error_of(ascii, "1 0 0 1 0 0", "1 0 1e99 1 0 0"), "vertex 2 of 4");
+    EXPECT_CONTAINS(error_of(ascii, "1 0 0 1 0 0", "1 0 0 1 inf 0"), "vertex 2 of 4");
+    EXPECT_CONTAINS(error_of(ascii, "1 0 0 1 0 0", "1 zero 0 1 0 0"), "found 'zero'");
+    EXPECT_CONTAINS(error_of(ascii, "float y", "float w"), "expected x, y and z");
+    EXPECT_CONTAINS(error_of(ascii, "float y", "single y"), "line 6: type of a property");
+    EXPECT_CONTAINS(error_of(ascii, "ascii", "ebcdic"), "line 2: format");
+    EXPECT_CONTAINS(error_of(ascii, "end_header", "end"), "no end_header");
+    EXPECT_CONTAINS(error_of(ascii, "element face", "element vertex"), "one vertex, found another");
+    EXPECT_CONTAINS(error_of(ascii, "uchar int", "float int"), "type of a list's length");
+    EXPECT_CONTAINS(error_of(ascii, "\n3 1 2 3", "\n3000000000 1 2 3"), "length of a list of face 4");
     for (const std::string& file : {ascii, little})
         for (const char* count :
              {"9", "4294967295", "4294967296", "18446744073709551615", "18446744073709551616", "-1"})
@@ -256,13 +259,13 @@ TEST(Mesh, FlippedBytesBreakNoPromise) {
 
 TEST(Obj, BadOnesAreErrors) {
     const std::string file = corpus("obj/normals");
-    EXPECT_NE(error_of(file, "v 1 0 0", "v 1 nan 0").find("line 4: v: expected three numbers"), std::string::npos);
-    EXPECT_NE(error_of(file, "v 1 0 0", "v 1 0").find("line 4"), std::string::npos);
-    EXPECT_NE(error_of(file, "2/1/1", "5/1/1").find("line 10: corner of a face"), std::string::npos);
-    EXPECT_NE(error_of(file, "2/1/1", "2/1/3").find("line 10"), std::string::npos);
-    EXPECT_NE(error_of(file, "2/1/1", "0/1/1").find("line 10"), std::string::npos);
-    EXPECT_NE(error_of(file, "-4//-1", "-5//-1").find("line 11"), std::string::npos);
-    EXPECT_NE(error_of(file, "-4//-1", "x").find("found 'x'"), std::string::npos);
+    EXPECT_CONTAINS(error_of(file, "v 1 0 0", "v 1 nan 0"), "line 4: v: expected three numbers");
+    EXPECT_CONTAINS(error_of(file, "v 1 0 0", "v 1 0"), "line 4");
+    EXPECT_CONTAINS(error_of(file, "2/1/1", "5/1/1"), "line 10: corner of a face");
+    EXPECT_CONTAINS(error_of(file, "2/1/1", "2/1/3"), "line 10");
+    EXPECT_CONTAINS(error_of(file, "2/1/1", "0/1/1"), "line 10");
+    EXPECT_CONTAINS(error_of(file, "-4//-1", "-5//-1"), "line 11");
+    EXPECT_CONTAINS(error_of(file, "-4//-1", "x"), "found 'x'");
     EXPECT_EQ(error_of("v 0 0 0\nf 1 1\n"), "f: faces of the mesh: expected one at least, found none");
     EXPECT_EQ(error_of(""), "f: faces of the mesh: expected one at least, found none");
 }
@@ -273,10 +276,9 @@ std::string triangle(const char* length) { return fmt::format("v 0 0 0\nv {0} 0 
 TEST(Obj, SizesThatNoSceneHasAreErrors) {
     for (const char* length : {"1e7", "-1e7", "1e-7"}) EXPECT_EQ(error_of(triangle(length)), "none") << length;
     for (const char* length : {"1.1e7", "-1.1e7", "1e18", "3.4e38"})
-        EXPECT_NE(error_of(triangle(length)).find("coordinates of the mesh: expected at most 1e+07"),
-                  std::string::npos);
+        EXPECT_CONTAINS(error_of(triangle(length)), "coordinates of the mesh: expected at most 1e+07");
     for (const char* length : {"9e-8", "1e-38", "0"})
-        EXPECT_NE(error_of(triangle(length)).find("extent of the mesh: expected at least 1e-07"), std::string::npos);
+        EXPECT_CONTAINS(error_of(triangle(length)), "extent of the mesh: expected at least 1e-07");
 }
 
 TEST(Mesh, IsLoadedByItsNameOrItsFile) {

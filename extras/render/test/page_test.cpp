@@ -77,13 +77,12 @@ TEST(Page, HoldsItsShadersAndNothingFromOutside) {
     const Page page = all_kinds();
     const std::string html = page_html(page);
     for (const PageMaterial& shown : page.materials)
-        EXPECT_NE(html.find(">" + html_escaped(shader_text(*shown.material, {.dialect = Dialect::es_300}).fragment) +
-                            "</pre>"),
-                  html.npos);
+        EXPECT_CONTAINS(
+            html, ">" + html_escaped(shader_text(*shown.material, {.dialect = Dialect::es_300}).fragment) + "</pre>");
     for (const char* outside : {"http:", "https:", "src=", "href=", "url(", "import ", "fetch(", "XMLHttp"})
-        EXPECT_EQ(html.find(outside), html.npos) << outside;
-    EXPECT_EQ(html.find("<every>"), html.npos);
-    EXPECT_EQ(html.find("{{"), html.npos);
+        EXPECT_LACKS(html, outside);
+    EXPECT_LACKS(html, "<every>");
+    EXPECT_LACKS(html, "{{");
     EXPECT_EQ(count(html, "<canvas"), page.materials.size() + 1);  // and the difference of the first two
     EXPECT_EQ(count(html, "<svg class="), k_slice_theta.size());
     EXPECT_EQ(count(html, "<script"), 2u);
@@ -147,10 +146,10 @@ TEST(Slices, AreLogarithmicAndPeakAtTheMirrorDirection) {
     for (const auto& [x, y] : curves[0]) EXPECT_EQ(y, ten);
     for (const auto& [x, y] : curves[1]) EXPECT_EQ(y, tenth);
     const auto peak = std::ranges::min(curves[2], {}, [](const auto& point) { return point[1]; });
-    EXPECT_TRUE(near(peak[1], (ten + tenth) / 2, 0.11));  // 1 lies halfway
+    EXPECT_WITHIN(peak[1], (ten + tenth) / 2, 0.11);  // 1 lies halfway
     // x is linear from −90° to 90°; the curves end at ±89°.
     const double left = curves[0].front()[0], right = curves[0].back()[0];
-    EXPECT_TRUE(near(peak[0], left + (60 + 89) / 178.0 * (right - left), 0.01 * (right - left)));
+    EXPECT_WITHIN(peak[0], left + (60 + 89) / 178.0 * (right - left), 0.01 * (right - left));
     // On the far side of the normal nothing was measured.
     EXPECT_LT(std::ranges::max(curves[3], {}, [](const auto& point) { return point[0]; })[0], (left + right) / 2);
     EXPECT_GT(curves[3].size(), 150u);
@@ -178,7 +177,8 @@ TEST(Slices, ScansShowSamplesOverTheAngleFromTheMirror) {
     EXPECT_FALSE(is_in_plane(samples.wl.back(), samples.wv.back()));
     const std::vector<Scan> scans = scans_in_plane(samples);
     ASSERT_EQ(scans.size(), 2u);
-    EXPECT_TRUE(near(scans[0].theta_l, 30, 1e-4) && near(scans[1].theta_l, 60, 1e-4));
+    EXPECT_WITHIN(scans[0].theta_l, 30, 1e-4);
+    EXPECT_WITHIN(scans[1].theta_l, 60, 1e-4);
     const SliceCurve models[] = {{"fit", "red", model}};
     for (const Scan& scan : scans) {
         ASSERT_EQ(scan.degrees.size(), 41u);
@@ -209,7 +209,7 @@ TEST(Slices, LobesReachAsFarAsTheyAreBright) {
         std::vector<double> all;
         for (const auto& curve : curves_of(lobe_drawing(plotted, 0.5, scale))) {
             const double r = std::hypot(curve[0][0] - x0, curve[0][1] - y0);
-            for (const auto& [x, y] : curve) EXPECT_PRED3(near, std::hypot(x - x0, y - y0), r, 0.15);  // half-circles
+            for (const auto& [x, y] : curve) EXPECT_WITHIN(std::hypot(x - x0, y - y0), r, 0.15);  // half-circles
             EXPECT_TRUE(r < 1 ||
                         (curve.front()[0] < x0 && curve.back()[0] > x0));  // from the light's side to the mirror's
             all.push_back(r);
@@ -218,14 +218,14 @@ TEST(Slices, LobesReachAsFarAsTheyAreBright) {
     };
     const auto linear = radii(LobeScale::linear), logarithmic = radii(LobeScale::logarithmic);
     ASSERT_EQ(linear.size(), 4u);
-    EXPECT_PRED3(near, linear[1], linear[0] / 2, 0.2);
-    EXPECT_PRED3(near, linear[2], linear[0] / 100, 0.2);
+    EXPECT_WITHIN(linear[1], linear[0] / 2, 0.2);
+    EXPECT_WITHIN(linear[2], linear[0] / 100, 0.2);
     EXPECT_GT(linear[3], linear[0]);  // beyond the scale, but not far
     EXPECT_LT(linear[3], 1.1 * linear[0]);
     // The first curve sets the scale, a decade at least.
-    EXPECT_PRED3(near, logarithmic[0], linear[0], 0.2);
-    EXPECT_PRED3(near, logarithmic[1], (1 - std::log10(2)) * linear[0], 0.2);
-    EXPECT_PRED3(near, logarithmic[2], 0, 0.2);
+    EXPECT_WITHIN(logarithmic[0], linear[0], 0.2);
+    EXPECT_WITHIN(logarithmic[1], (1 - std::log10(2)) * linear[0], 0.2);
+    EXPECT_WITHIN(logarithmic[2], 0, 0.2);
 }
 
 TEST(Slices, OfBothSidesGoAllAround) {
@@ -248,18 +248,18 @@ TEST(Slices, OfBothSidesGoAllAround) {
                 const std::size_t side = y > y0;
                 const double r = std::hypot(x - x0, y - y0);
                 if (points[side]++ == 0) all[side] = r;
-                EXPECT_PRED3(near, r, all[side], 0.2);
+                EXPECT_WITHIN(r, all[side], 0.2);
             }
         EXPECT_GT(points[0], 4);
         return all;
     };
     const auto front = radii(0.5, LobeScale::linear), back = radii(k_pi - 0.5, LobeScale::linear);
-    EXPECT_PRED3(near, front[0], radius, 0.2);
-    EXPECT_PRED3(near, front[1], 0.01 * radius, 0.2);
-    EXPECT_PRED3(near, back[1], radius, 0.2);
-    EXPECT_PRED3(near, back[0], 0.2 * radius, 0.2);
+    EXPECT_WITHIN(front[0], radius, 0.2);
+    EXPECT_WITHIN(front[1], 0.01 * radius, 0.2);
+    EXPECT_WITHIN(back[1], radius, 0.2);
+    EXPECT_WITHIN(back[0], 0.2 * radius, 0.2);
     // Two decades apart, and one more from the smallest to the centre.
-    EXPECT_PRED3(near, radii(0.5, LobeScale::logarithmic)[1], radius / 3, 0.5);
+    EXPECT_WITHIN(radii(0.5, LobeScale::logarithmic)[1], radius / 3, 0.5);
     const LuminanceSlice slice = luminance_slice(f, 0.5, true);
     EXPECT_TRUE(std::ranges::is_sorted(slice.degrees));
     EXPECT_EQ(slice.degrees.front(), -89);
@@ -282,18 +282,18 @@ TEST(Charts, AreLogarithmicInBothDirections) {
                       {{"a", "red", "", {{16, 0.001, "x & y"}, {1, 0.1, ""}, {4, 0.01, ""}}},
                        {"b", "red", "", {{4, 0.02, ""}, {2, 0, ""}, {2, NAN, ""}}}}};
     const std::string svg = chart_drawing(chart);
-    EXPECT_EQ(svg.find("<a>"), svg.npos);
-    EXPECT_NE(svg.find("x &amp; y"), svg.npos);
+    EXPECT_LACKS(svg, "<a>");
+    EXPECT_CONTAINS(svg, "x &amp; y");
     const auto curves = curves_of(svg);
     ASSERT_EQ(curves.size(), 1u);  // in the order of x; a single point has no curve
     ASSERT_EQ(curves[0].size(), 3u);
     for (const int axis : {0, 1})
-        EXPECT_PRED3(near, curves[0][1][std::size_t(axis)],
-                     (curves[0][0][std::size_t(axis)] + curves[0][2][std::size_t(axis)]) / 2, 0.11);
+        EXPECT_WITHIN(curves[0][1][std::size_t(axis)],
+                      (curves[0][0][std::size_t(axis)] + curves[0][2][std::size_t(axis)]) / 2, 0.11);
     EXPECT_LT(curves[0][0][0], curves[0][2][0]);
     EXPECT_LT(curves[0][0][1], curves[0][2][1]);  // y goes downwards
     EXPECT_EQ(count(svg, "<circle"), 4u);         // of the second, what can be shown
-    for (const char* label : {">0.1 %<", ">1 %<", ">10 %<", ">16<"}) EXPECT_NE(svg.find(label), svg.npos) << label;
+    for (const char* label : {">0.1 %<", ">1 %<", ">10 %<", ">16<"}) EXPECT_CONTAINS(svg, label);
 }
 
 TEST(Html, Base64AndFilledTexts) {
@@ -495,8 +495,8 @@ void expect_environment(StepPictures& steps, const Json& refused) {
     EXPECT_EQ(steps.first["studio and lights"]["scene"]["irradiances"][0], 3);
     for (const char* file : {"text.hdr", "cut.hdr", "cut.exr", "huge.hdr"})
         EXPECT_TRUE(std::string(refused[file]).starts_with(file)) << refused[file];
-    EXPECT_NE(std::string(refused["huge.hdr"]).find("4096 MB"), std::string::npos) << refused["huge.hdr"];
-    EXPECT_NE(std::string(refused["lost"]).find("graphics"), std::string::npos) << refused["lost"];
+    EXPECT_CONTAINS(std::string(refused["huge.hdr"]), "4096 MB") << refused["huge.hdr"];
+    EXPECT_CONTAINS(std::string(refused["lost"]), "graphics") << refused["lost"];
     EXPECT_EQ(refused["restored"], "");
 }
 

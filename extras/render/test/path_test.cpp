@@ -102,7 +102,7 @@ TEST(Path, ThinSphereInEvenLightIsWhite) {
     PathOptions options = small(256);
     options.bounces = 64;
     const Mean mean = mean_of(render_paths(scene, options).rendering.radiance);
-    EXPECT_PRED3(near, mean.value, 1, 3 * mean.deviation + 0.003);
+    EXPECT_WITHIN(mean.value, 1, 3 * mean.deviation + 0.003);
 }
 
 /// Through a plane in front of light on one side, from either side: what passes unscattered and what is transmitted.
@@ -118,7 +118,7 @@ TEST(Path, LightPassesThroughAPlane) {
         scene.area_lights = {light};
         const double h = 2, q = std::sqrt(1 + h * h), form = 4 / k_pi * 1 / q * std::atan(1 / q);
         const Mean mean = mean_of(render_paths(scene, small(64, 32)).rendering.radiance);
-        EXPECT_PRED3(near, mean.value, 0.5 + 0.25 * form, 4 * mean.deviation + 1e-3) << eye;
+        EXPECT_WITHIN(mean.value, 0.5 + 0.25 * form, 4 * mean.deviation + 1e-3) << eye;
     }
 }
 
@@ -132,7 +132,7 @@ TEST(Path, WhiteSphereInEvenLightIsWhite) {
     for (const PreparedBrdf& brdf : {diffuse({1, 1, 1}), prepare(model, mixture)}) {
         const PathPicture picture = render_paths(sphere_scene(brdf, &even_light()), small(400, 32));
         const Mean mean = mean_of(picture.rendering.radiance);
-        EXPECT_TRUE(near(mean.value, 1, 1e-3)) << mean.value;
+        EXPECT_WITHIN(mean.value, 1, 1e-3);
     }
 }
 
@@ -144,7 +144,7 @@ TEST(Path, NothingIsLostBetweenWhiteSurfaces) {
     PathOptions options = small(200, 32);
     options.bounces = 1000;
     const Mean mean = mean_of(render_paths(scene, options).rendering.radiance);
-    EXPECT_TRUE(near(mean.value, 1, 3e-3)) << mean.value;
+    EXPECT_WITHIN(mean.value, 1, 3e-3);
     options.bounces = 1;
     EXPECT_LT(mean_of(render_paths(scene, options).rendering.radiance).value, 0.97);
 }
@@ -155,7 +155,7 @@ TEST(Path, DirectionalLightIsTheClosedForm) {
     scene.lights = {{spherical(theta, 1.0), {3, 3, 3}}};
     const PathPicture picture = render_paths(scene, small(1, 4));
     for (const Rgb& pixel : picture.rendering.radiance.pixels)
-        EXPECT_TRUE(near(double(pixel.g), 0.5 / k_pi * 3 * std::cos(theta), 1e-5));
+        EXPECT_WITHIN(double(pixel.g), 0.5 / k_pi * 3 * std::cos(theta), 1e-5);
 }
 
 TEST(Path, AreaLightIsTheClosedForm) {
@@ -171,7 +171,7 @@ TEST(Path, AreaLightIsTheClosedForm) {
         scene.camera.eye = {3, 0, 4};
         const Mean mean = mean_of(render_paths(scene, small(300)).rendering.radiance);
         if (!glossy_surface) {
-            EXPECT_TRUE(near_relative(mean.value, 0.5 / k_pi * 2 * 4 * quarter, 4e-3)) << mean.value;
+            EXPECT_WITHIN_RELATIVE(mean.value, 0.5 / k_pi * 2 * 4 * quarter, 4e-3);
         } else {
             double expected = 0;  // by points of the square
             const Vec3f wv = normalize(Vec3f{3, 0, 4});
@@ -183,8 +183,7 @@ TEST(Path, AreaLightIsTheClosedForm) {
                     expected += double(value(model, to_float((1 / r) * p), wv).g) * 2 * (d / r) * (d / r) / (r * r) *
                                 (2 * s / n) * (2 * s / n);
                 }
-            EXPECT_TRUE(near(mean.value, expected, 5 * mean.deviation + 1e-3 * expected))
-                << mean.value << ' ' << expected;
+            EXPECT_WITHIN(mean.value, expected, 5 * mean.deviation + 1e-3 * expected);
         }
         // From behind it is dark, and so it is to a viewer below it.
         scene.camera.eye = {3, 0, 1};
@@ -212,9 +211,7 @@ TEST(Path, AllWaysToDrawGiveOnePicture) {
         return mean_of(render_paths(sphere_scene(prepare(brdf, proposal), &light), small(100, 40)).rendering.radiance);
     };
     // The pixels differ by what they show as well, so that the deviation is an upper bound.
-    const auto expect_one = [](Mean a, Mean b) {
-        EXPECT_TRUE(near(a.value, b.value, 0.01 * b.value)) << a.value << ' ' << b.value;
-    };
+    const auto expect_one = [](Mean a, Mean b) { EXPECT_WITHIN(a.value, b.value, 0.01 * b.value); };
     expect_one(with(model, CosineProposal{}), with(model, propose(evaluator(model))));
     expect_one(with(su, CosineProposal{}), with(su, propose(su)));
 }
@@ -242,14 +239,14 @@ TEST(Path, AConstantMapIsItsModel) {
         return render_paths(scene, options).rendering.radiance;
     };
     const Mean model = mean_of(drawn(scene.materials[0], 1)), same = mean_of(drawn(prepared, 2));
-    EXPECT_PRED3(near, same.value, model.value, 2e-3);  // four deviations of the difference of two seeds
+    EXPECT_WITHIN(same.value, model.value, 2e-3);  // four deviations of the difference of two seeds
     // Values alone, without noise.
     scene.environment = nullptr;
     scene.lights = {{normalize(Vec3d{-1, 1, 2}), {1, 1, 1}}};
     const Image expected = drawn(prepare(texel(map, 0)), 1), found = drawn(prepared, 1);
     for (std::size_t i = 0; i < found.pixels.size(); ++i)
         for (int c = 0; c < 3; ++c)
-            EXPECT_PRED3(near, found.pixels[i][c], expected.pixels[i][c], 1e-5 + 1e-4 * double(expected.pixels[i][c]));
+            EXPECT_WITHIN(found.pixels[i][c], expected.pixels[i][c], 1e-5 + 1e-4 * double(expected.pixels[i][c]));
 }
 
 TEST(Path, AMapShowsEachOfItsTexels) {
@@ -264,8 +261,8 @@ TEST(Path, AMapShowsEachOfItsTexels) {
         return std::array<double, 2>{double(f.r), double(f.g)};
     };
     const auto expect = [&](double x, double y, double of_red) {
-        EXPECT_PRED3(near, at(x, y)[0], 0.2 * of_red, 1e-5) << x << ' ' << y;
-        EXPECT_PRED3(near, at(x, y)[1], 0.2 * (1 - of_red), 1e-5) << x << ' ' << y;
+        EXPECT_WITHIN(at(x, y)[0], 0.2 * of_red, 1e-5) << x << ' ' << y;
+        EXPECT_WITHIN(at(x, y)[1], 0.2 * (1 - of_red), 1e-5) << x << ' ' << y;
     };
     expect(-5, 5, 1);  // the middles of texels
     expect(5, 5, 0);
@@ -289,14 +286,14 @@ TEST(Path, AMaskMixesMaterials) {
         return render_paths(scene, small(4096, 1)).rendering.radiance.pixels[0];
     };
     scene.materials = {MaskedMaterials{{colour({1, 0, 0}), colour({0, 1, 0}), colour({0, 0, 1})}, mask}};
-    EXPECT_PRED3(near, at(-5).r, 1, 1e-4);
+    EXPECT_WITHIN(at(-5).r, 1, 1e-4);
     const Rgb mixed = at(5), between = at(0);
     for (int c = 0; c < 3; ++c) {
-        EXPECT_PRED3(near, mixed[c], (std::array{0.25, 0.5, 0.25}[std::size_t(c)]), 0.03) << c;
-        EXPECT_PRED3(near, between[c], (std::array{0.625, 0.25, 0.125}[std::size_t(c)]), 0.03) << c;
+        EXPECT_WITHIN(mixed[c], (std::array{0.25, 0.5, 0.25}[std::size_t(c)]), 0.03) << c;
+        EXPECT_WITHIN(between[c], (std::array{0.625, 0.25, 0.125}[std::size_t(c)]), 0.03) << c;
     }
     scene.materials = {MaskedMaterials{{colour({1, 0, 0}), colour({0, 1, 0})}, mask}};
-    EXPECT_PRED3(near, at(5).r, 0.5, 0.03);
+    EXPECT_WITHIN(at(5).r, 0.5, 0.03);
 }
 
 /// The mean of draws is the albedo, and their variance not much more than by the texel's own mixture.
@@ -322,7 +319,7 @@ TEST(Path, TexelsAreDrawnFromTheirLobes) {
                 }
             }
             const auto variance = [&](std::size_t k) { return squares[k] - mean[k] * mean[k]; };
-            EXPECT_PRED3(near, mean[1], mean[0], 4 * std::sqrt((variance(0) + variance(1)) / draws)) << axial;
+            EXPECT_WITHIN(mean[1], mean[0], 4 * std::sqrt((variance(0) + variance(1)) / draws)) << axial;
             EXPECT_LT(variance(1), 2 * variance(0) + 0.15 * mean[0] * mean[0]) << axial << z;
         }
     }
@@ -339,7 +336,7 @@ TEST(Path, EnvironmentStandsUpright) {
     scene.camera.up = {0, 0, 1};
     const double upright = mean_of(render_paths(scene, small(50)).rendering.radiance).value;
     scene.camera.up = {0, 0, -1};
-    EXPECT_TRUE(near(mean_of(render_paths(scene, small(50)).rendering.radiance).value, 0, 1e-6));
+    EXPECT_WITHIN(mean_of(render_paths(scene, small(50)).rendering.radiance).value, 0, 1e-6);
     // cos² of half the angle: the sine squared of 45°, and a texel's rows beyond by bilinearity.
     EXPECT_TRUE(upright > 0.45 && upright < 0.6) << upright;
 }
@@ -369,10 +366,10 @@ TEST(Path, FirstHitsAreThoseOfTheSphere) {
     scene.lights = {{{0, 0, 1}, {1, 1, 1}}};
     const PathPicture picture = render_paths(scene, small(16, 33));
     const auto middle = std::size_t(16 * 33 + 16);
-    EXPECT_TRUE(near(double(picture.first.normal.pixels[middle].b), 1, 0.01));
-    EXPECT_TRUE(near(double(picture.first.albedo.pixels[middle].g), 0.5, 1e-5));
+    EXPECT_WITHIN(double(picture.first.normal.pixels[middle].b), 1, 0.01);
+    EXPECT_WITHIN(double(picture.first.albedo.pixels[middle].g), 0.5, 1e-5);
     const Vec3d eye = scene.camera.eye;
-    EXPECT_TRUE(near(double(picture.first.depth[middle]), std::sqrt(dot(eye, eye)) - 1, 0.01));
+    EXPECT_WITHIN(double(picture.first.depth[middle]), std::sqrt(dot(eye, eye)) - 1, 0.01);
     EXPECT_EQ(picture.rendering.coverage[middle], 1);
     EXPECT_EQ(picture.rendering.coverage[0], 0);
     EXPECT_EQ(picture.first.depth[0], 0);
@@ -428,8 +425,8 @@ TEST(Path, RaysFindWhatIsNearest) {
         ASSERT_EQ(hit.has_value(), nearest < 1e30);
         if (!hit) continue;
         ++hits;
-        EXPECT_TRUE(near(double(hit->distance), nearest, 1e-4));
-        EXPECT_TRUE(near(double(dot(hit->geometric_normal, hit->geometric_normal)), 1, 1e-5));
+        EXPECT_WITHIN(double(hit->distance), nearest, 1e-4);
+        EXPECT_WITHIN(double(dot(hit->geometric_normal, hit->geometric_normal)), 1, 1e-5);
         EXPECT_TRUE(rays.occluded(to_float(origin), to_float(direction), hit->distance + 0.01f));
         EXPECT_FALSE(rays.occluded(to_float(origin), to_float(direction), hit->distance - 0.01f));
     }
@@ -450,7 +447,7 @@ TEST(Path, SceneOfAnySizeIsOnePicture) {
     }
     for (const Image& picture : pictures)
         for (std::size_t i = 0; i < picture.pixels.size(); ++i)
-            EXPECT_TRUE(near(picture.pixels[i].g, pictures[0].pixels[i].g, 0.1)) << i;
+            EXPECT_WITHIN(picture.pixels[i].g, pictures[0].pixels[i].g, 0.1) << i;
 }
 
 /// The program's way with good and bad input.
@@ -469,7 +466,7 @@ class PathCommand : public testing::Test {
         const ProgramRun result = render(arguments);
         EXPECT_EQ(result.status, 1) << result.err;
         EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-        EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
+        EXPECT_CONTAINS(result.err, part);
         EXPECT_EQ(folder.files(), before);
     }
     const TemporaryFolder folder;
@@ -491,11 +488,11 @@ TEST_F(PathCommand, PicturesAreCompared) {
     for (const char* reference : {"a.exr", "a.srbf"}) {
         const ProgramRun result = render({"-o", "b.png", "--compare", reference, "--json", "-"});
         EXPECT_EQ(result.status, 0) << result.err;
-        EXPECT_NE(result.out.find("\"flip\": 0.0"), std::string::npos) << result.out;
+        EXPECT_CONTAINS(result.out, "\"flip\": 0.0");
         EXPECT_TRUE(std::filesystem::exists(folder / "b.difference.png"));
     }
     EXPECT_EQ(render({"-o", "b.png", "--compare", "a.exr", "--json", "c.json", "--seed", "1"}).status, 0);
-    EXPECT_EQ(contents(folder / "c.json").find("\"flip\": 0.0,"), std::string::npos);
+    EXPECT_LACKS(contents(folder / "c.json"), "\"flip\": 0.0,");
     const Image other(16, 16);
     ASSERT_TRUE(write_exr(16, 16, channels_of(other), folder / "other.exr").ok());
     expect_refused({"-o", "d.png", "--compare", "other.exr"}, "size of the reference");
@@ -519,7 +516,7 @@ TEST_F(PathCommand, TexelsThatAreNoRadianceAreCounted) {
     ASSERT_TRUE(write_exr(8, 4, channels_of(image), folder / "e.exr").ok());
     const ProgramRun result = render({"-o", "b.png", "--env", "e.exr"});
     EXPECT_EQ(result.status, 0);
-    EXPECT_NE(result.err.find("e.exr: 2 texels"), std::string::npos) << result.err;
+    EXPECT_CONTAINS(result.err, "e.exr: 2 texels");
 }
 
 }  // namespace

@@ -264,7 +264,9 @@ TEST_P(Raster, TheInsideOfAnOpenSurfaceIsSeenWithItsNormalTurned) {
         if (covered == 0) continue;
         ++seen;
         const auto& n = inside.normals[i];
-        ASSERT_TRUE(near(n[0], -x, 1e-5) && near(n[1], -y, 1e-5) && near(n[2], -z, 1e-5));
+        ASSERT_WITHIN(n[0], -x, 1e-5);
+        ASSERT_WITHIN(n[1], -y, 1e-5);
+        ASSERT_WITHIN(n[2], -z, 1e-5);
     }
     EXPECT_GT(seen, 0.3 * k_height * k_height);
     const auto surface = RasterSurface::make(GetParam(), k_width, k_height);
@@ -280,10 +282,10 @@ TEST_P(Raster, WhatIsTooLargeIsRefused) {
     const auto model = random_model(random, {.axial = false, .lobes = k_most_lobes, .variates = k_most_variates});
     const auto material = RasterMaterial::make(model, {.dialect = GetParam()});
     ASSERT_FALSE(material);
-    EXPECT_NE(message(material.error()).find("uniform buffer: expected at most"), std::string::npos);
+    EXPECT_CONTAINS(message(material.error()), "uniform buffer: expected at most");
     const auto target = RasterTarget::make(1 << 20, 1, 1, RasterTarget::Format::bytes);
     ASSERT_FALSE(target);
-    EXPECT_NE(message(target.error()).find("1048576 x 1"), std::string::npos);
+    EXPECT_CONTAINS(message(target.error()), "1048576 x 1");
     EXPECT_FALSE(RasterSurface::make(GetParam(), 1, 1 << 20));
 }
 
@@ -306,8 +308,7 @@ TEST(Render, WritesAPictureOfEachFileSideBySide) {
           "# anisotropic\nwl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n0.6,0,0.8,0,0,1,1\n");
     const ProgramRun refused = run(folder, {"render", "a.csv", "--renderer", "raster", "-o", "a.png"});
     EXPECT_EQ(refused.status, 1);
-    EXPECT_NE(refused.err.find("expected an isotropic one, found an anisotropic one"), std::string::npos)
-        << refused.err;
+    EXPECT_CONTAINS(refused.err, "expected an isotropic one, found an anisotropic one");
 }
 
 constexpr int k_traced = 96;  // pixels across of pictures of paths
@@ -389,7 +390,7 @@ TEST(Render, DrawsALightBehind) {
                 opaque = render("front.srbf", "raster");
     // The middle of the picture faces away from the light.
     EXPECT_GT(by_raster.at(32, 32).g, 0.01f);
-    EXPECT_PRED3(near_relative, by_raster.at(32, 32).g, by_paths.at(32, 32).g, 0.02);
+    EXPECT_WITHIN_RELATIVE(by_raster.at(32, 32).g, by_paths.at(32, 32).g, 0.02);
     EXPECT_EQ(opaque.at(32, 32), Rgb{});
 }
 
@@ -400,7 +401,7 @@ TEST(Rasterize, GivesRadianceAndCoverage) {
     double covered = 0;
     for (const float share : (*drawn)[0].coverage) covered += double(share);
     // The sphere fills the picture but for the margin, seen in perspective as a disc.
-    EXPECT_TRUE(near_relative(covered, k_pi * std::pow((1 - k_margin) * k_height / 2, 2), 0.02));
+    EXPECT_WITHIN_RELATIVE(covered, k_pi * std::pow((1 - k_margin) * k_height / 2, 2), 0.02);
     EXPECT_EQ((*drawn)[0].coverage, (*drawn)[1].coverage);
     // The radiance is f E where the key light falls along the normal.
     float most = 0;

@@ -76,15 +76,14 @@ TEST_F(Report, OneMaterialThatFailsDoesNotStopTheOthers) {
     EXPECT_EQ(first.status, 1);
     EXPECT_TRUE(first.err.starts_with("srbf: broken.binary: ")) << first.err;
     EXPECT_EQ(first.err.find('\n'), first.err.size() - 1) << first.err;
-    for (const char* name : {"nickel", "krylon_blue"})
-        EXPECT_NE(html.find(fmt::format("'>{}</a>", name)), html.npos) << name;
-    EXPECT_NE(html.find("<b>broken</b>: broken.binary: "), html.npos);
-    EXPECT_NE(contents(*folder / "whole" / "materials.csv").find("broken,,broken.binary"), html.npos);
+    for (const char* name : {"nickel", "krylon_blue"}) EXPECT_CONTAINS(html, fmt::format("'>{}</a>", name));
+    EXPECT_CONTAINS(html, "<b>broken</b>: broken.binary: ");
+    EXPECT_CONTAINS(contents(*folder / "whole" / "materials.csv"), "broken,,broken.binary");
 
     const ProgramRun none = run(*folder, {"report", "broken.binary", "missing.binary", "-o", "none", "--least"});
     EXPECT_EQ(none.status, 1);
-    EXPECT_NE(none.err.find("missing.binary"), html.npos);
-    EXPECT_NE(contents(*folder / "none" / "index.html").find("<b>missing</b>"), html.npos);
+    EXPECT_CONTAINS(none.err, "missing.binary");
+    EXPECT_CONTAINS(contents(*folder / "none" / "index.html"), "<b>missing</b>");
 }
 
 TEST_F(Report, NeedsNothingButItself) {
@@ -92,7 +91,7 @@ TEST_F(Report, NeedsNothingButItself) {
     for (const fs::path& page : pages) {
         const std::string text = contents(page);
         for (const char* outside : {"<script ", "http:", "https:", "<link", "url(", "{{"})
-            EXPECT_EQ(text.find(outside), text.npos) << page << ": " << outside;
+            EXPECT_LACKS(text, outside) << page;
         // Everything that is shown or linked exists.
         const std::regex link("(?:href|src)=['\"]([^'\"]*)['\"]");
         for (std::sregex_iterator match(text.begin(), text.end(), link), end; match != end; ++match, ++links)
@@ -162,7 +161,7 @@ TEST_F(Report, EveryNumberIsInTheTables) {
         std::erase_if(displayed, [](char c) { return c == ',' || c == ' ' || c == '%' || c == 's'; });
         const auto value = to_number<double>(displayed), field = to_number<double>(exact);
         ASSERT_TRUE(value && field) << (*match)[0];
-        EXPECT_PRED3(near, *value, (is_percent ? 100 : 1) * *field, 0.006 * std::abs(*value) + 0.005) << (*match)[0];
+        EXPECT_WITHIN(*value, (is_percent ? 100 : 1) * *field, 0.006 * std::abs(*value) + 0.005) << (*match)[0];
     }
     EXPECT_GT(numbers, 120);
     // The same holds for each point of a plot.
@@ -205,15 +204,15 @@ TEST_F(Report, SaysWhereNoFramesCanBeTimed) {
     ::unsetenv("__EGL_VENDOR_LIBRARY_FILENAMES");
     EXPECT_EQ(done.status, 0) << done.err;
     const std::string page = contents(*completed_folders(blind / "a").begin() / "index.html");
-    EXPECT_NE(page.find("No frames were timed: "), page.npos);
-    EXPECT_NE(page.find("Sizes, errors, seconds"), page.npos);
+    EXPECT_CONTAINS(page, "No frames were timed: ");
+    EXPECT_CONTAINS(page, "Sizes, errors, seconds");
 }
 
 TEST_F(Report, NamesTheSourcesRowsBesideItsOwnMaterials) {
     const std::string krylon = contents(page_of("krylon_blue"));
-    EXPECT_NE(krylon.find("Tsai 2009, multivariate"), krylon.npos);
-    EXPECT_NE(krylon.find("<data value='0.0102'>1.02 %</data>"), krylon.npos);
-    EXPECT_NE(contents(page_of("nickel")).find("<data value='0.0044'>0.44 %</data>"), krylon.npos);
+    EXPECT_CONTAINS(krylon, "Tsai 2009, multivariate");
+    EXPECT_CONTAINS(krylon, "<data value='0.0102'>1.02 %</data>");
+    EXPECT_CONTAINS(contents(page_of("nickel")), "<data value='0.0044'>0.44 %</data>");
 }
 
 TEST_F(Report, GoesOnWhereItWasKilled) {
@@ -285,7 +284,7 @@ TEST_F(Report, RefusesWhatItCannotUse) {
         more.insert(more.begin(), "report");
         const ProgramRun run = srbf::run(*folder, more);
         EXPECT_EQ(run.status, status) << run.err;
-        EXPECT_NE(run.err.find(named), run.err.npos) << run.err;
+        EXPECT_CONTAINS(run.err, named);
     };
     refused({"nickel.binary"}, 2, "--output");
     refused({"-o", "x"}, 2, "FILE");

@@ -46,7 +46,7 @@ template <typename Action> bool fails(std::size_t at, const Action& action) {
 /// Trying every allocation takes quadratic time: after the first ones, only every k_step-th fails.
 constexpr std::size_t k_step = 61;
 
-TEST(Allocations, ThatFailEndAReader) {
+TEST(Allocations, FailuresEndAReader) {
     const auto folders = corpora();
     for (const NamedTarget& target : all_targets()) {
         if (target.name == "uses") continue;  // this target runs the program, not a reader
@@ -73,7 +73,7 @@ TEST(Allocations, ThatFailEndAReader) {
     }
 }
 
-TEST(Allocations, AreNotMadeByABlackBrdf) {
+TEST(Allocations, ABlackBrdfMakesNone) {
     allocations = 0;
     const PreparedBrdf black, copy = black;
     const float weight = sample(copy, {0, 0, 1}, {0.5f, 0.5f}, 0.5f).weight.g,
@@ -83,7 +83,7 @@ TEST(Allocations, AreNotMadeByABlackBrdf) {
     EXPECT_EQ(weight + density + reflected, 0);
 }
 
-TEST(Allocations, ThatFailAreErrorsThatNameTheFile) {
+TEST(Allocations, FailuresAreErrorsThatNameTheFile) {
     for (const char* name :
          {"measured/rgl_simple", "measured/csv_vectors", "measured/merl_small", "measured/csv_both_sides"}) {
         const std::string path = (fs::path(SRBF_SOURCE_DIR) / "fuzz" / "corpus" / name).string();

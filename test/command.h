@@ -94,7 +94,7 @@ class CommandLine : public testing::Test {
 };
 
 /// A small fit of bundled data, shared by several tests.
-class Command : public CommandLine {
+class SmallFit : public CommandLine {
   protected:
     static void SetUpTestSuite() {
         fitted = std::make_unique<TemporaryFolder>();

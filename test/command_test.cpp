@@ -15,7 +15,7 @@ namespace srbf::command_test {
 namespace {
 
 /// Tests that use a saved random model, because a fit would take a minute under sanitizers.
-class WithModel : public CommandLine {
+class Command : public CommandLine {
   protected:
     static void SetUpTestSuite() {
         fitted = std::make_unique<TemporaryFolder>();
@@ -51,7 +51,8 @@ class WithModel : public CommandLine {
     inline static std::unique_ptr<TemporaryFolder> fitted;
 };
 
-TEST_F(WithModel, export_writes_a_page_or_nothing) {
+TEST_F(Command, ExportWritesAPageOrNothing) {
+    SKIP_UNDER_SANITIZERS("takes too long");
     if (!is_offered({"html"})) GTEST_SKIP() << "without pages";
     const Arguments page{"export", *fitted / "m.srbf", "--to", "html"};
     const ProgramRun alone = run(folder, page + Arguments{"-o", "alone.html"});
@@ -90,7 +91,8 @@ TEST_F(WithModel, export_writes_a_page_or_nothing) {
     expect_failure(2, page + Arguments{"--with", "sampling", "-o", "x"}, "--with");
 }
 
-TEST_F(WithModel, export_writes_code_or_nothing) {
+TEST_F(Command, ExportWritesCodeOrNothing) {
+    SKIP_UNDER_SANITIZERS("takes too long");
     const Arguments start{"export", *fitted / "m.srbf", *fitted / "m.srbf"};
     for (const char* language : {"glsl", "hlsl", "wgsl", "msl", "c"}) {
         const Arguments to{"--to", language, "-o", std::string("two.") + language};
@@ -114,7 +116,8 @@ TEST_F(WithModel, export_writes_code_or_nothing) {
     expect_failure(2, start + to + Arguments{"--with", "lobes"}, "found lobes");
 }
 
-TEST_F(WithModel, export_writes_a_map_or_nothing) {
+TEST_F(Command, ExportWritesAMapOrNothing) {
+    SKIP_UNDER_SANITIZERS("takes too long");
     std::mt19937_64 random(2);
     const auto save = [&](const TexelMap& map, const std::string& name) {
         write(folder / name, text_of(write_map(map)));
@@ -159,7 +162,7 @@ TEST_F(WithModel, export_writes_a_map_or_nothing) {
     expect_failure(1, Arguments{"export", "broken.srbf"} + layers, "broken.srbf");
 }
 
-TEST_F(WithModel, info_gives_one_wavelength_no_colour) {
+TEST_F(Command, InfoGivesOneWavelengthNoColour) {
     write(folder / "laser.csv",
           "theta_l_deg,theta_v_deg,phi_v_deg,532nm\n10,10,180,0.5\n10,40,180,0.2\n40,40,180,0.6\n");
     const ProgramRun result = run(folder, {"info", "laser.csv"});
@@ -169,7 +172,7 @@ TEST_F(WithModel, info_gives_one_wavelength_no_colour) {
     for (const char* word : {"albedo R", "[1/sr] R"}) EXPECT_LACKS(result.out, word);
 }
 
-TEST_F(WithModel, info_describes_files) {
+TEST_F(Command, InfoDescribesFiles) {
     const ProgramRun measured = run(*fitted, {"info", k_paper}), model = run(*fitted, {"info", "m.srbf"});
     EXPECT_EQ(measured.status + model.status, 0) << measured.err << model.err;
     for (const char* word :
@@ -181,7 +184,7 @@ TEST_F(WithModel, info_describes_files) {
         EXPECT_CONTAINS(model.out, word);
 }
 
-TEST_F(WithModel, info_warns_of_albedos_above_one) {
+TEST_F(Command, InfoWarnsOfAlbedosAboveOne) {
     PmModel model;  // f = 0.4, an albedo of 0.4 π
     model.lobes = model.variates = 1;
     model.coefficient = {{0.1f, 0.4f, 0.2f}};
@@ -194,7 +197,7 @@ TEST_F(WithModel, info_warns_of_albedos_above_one) {
         EXPECT_CONTAINS(info.out, word);
 }
 
-TEST_F(WithModel, eval_keeps_order_and_text_of_rows) {
+TEST_F(Command, EvalKeepsOrderAndTextOfRows) {
     const auto model = load_model(*fitted / "m.srbf");
     ASSERT_TRUE(model);
     // Columns in another order, additional columns, quotes, a byte-order mark, CRLF, and no newline at the end.
@@ -216,7 +219,7 @@ TEST_F(WithModel, eval_keeps_order_and_text_of_rows) {
                             row("0,0,1,0,-.6,0.8", {0, 0, 1}, {0, -0.6f, 0.8f}) + "0.6,0,-0.8,0,0,1,0,0,0\n");
 }
 
-TEST_F(WithModel, eval_names_the_line_at_fault) {
+TEST_F(Command, EvalNamesTheLineAtFault) {
     const std::string header = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n", good = "0,0,1,0,0,1\n";
     const std::pair<std::string, std::string> bad[] = {{"", "pairs.csv: line 1"},
                                                        {"wl_x,wl_y,wl_z,wv_x,wv_y\n", "line 1: header"},
@@ -232,7 +235,7 @@ TEST_F(WithModel, eval_names_the_line_at_fault) {
     expect_failure(1, {"eval", *fitted / "m.srbf", "--pairs", "none.csv"}, "none.csv");
 }
 
-TEST_F(WithModel, help_shows_an_example) {
+TEST_F(Command, HelpShowsAnExample) {
     for (const Arguments& subcommand :
          {Arguments{}, {"fit"}, {"info"}, {"eval"}, {"compare"}, {"convert"}, {"render"}, {"completion"}}) {
         if (!is_offered(subcommand)) continue;
@@ -247,7 +250,7 @@ TEST_F(WithModel, help_shows_an_example) {
     EXPECT_TRUE(version.out.starts_with("srbf 0.")) << version.out;
 }
 
-TEST_F(WithModel, completions_and_the_manual_agree_with_help) {
+TEST_F(Command, CompletionsAndTheManualAgreeWithHelp) {
     const ProgramRun manual = run(folder, {"--help-all"}), bash = run(folder, {"completion", "bash"});
     ASSERT_EQ(manual.status + bash.status, 0) << manual.err << bash.err;
     const std::regex option("  (-[a-z-]+)[ ,{]");
@@ -294,7 +297,8 @@ TEST_F(WithModel, completions_and_the_manual_agree_with_help) {
     EXPECT_EQ(offered("srbf fit pap"), "\n");  // a file: bash's own completion
 }
 
-TEST_F(WithModel, convert_copies_and_converts) {
+TEST_F(Command, ConvertCopiesAndConverts) {
+    SKIP_UNDER_SANITIZERS("takes too long");
     // A file already in that format is copied byte for byte.
     const std::string merl = small_merl();
     write(folder / "m.binary", merl);
@@ -310,7 +314,7 @@ TEST_F(WithModel, convert_copies_and_converts) {
     expect_converted("s.csv", "o.csv", "CSV");
 }
 
-TEST_F(WithModel, surfaces_are_exported_for_other_programs) {
+TEST_F(Command, SurfacesAreExportedForOtherPrograms) {
     OpenPbrModel surface{.base_color = {0.9f, 0.6f, 0.3f}, .base_metalness = 1, .specular_roughness = 0.2f};
     surface.coat_weight = 1, surface.coat_roughness = 0.5f;
     surface.thin_film_weight = 0.5f, surface.thin_film_thickness = 0.25f;
@@ -367,7 +371,7 @@ TEST_F(WithModel, surfaces_are_exported_for_other_programs) {
 }
 
 /// Facets that are rougher along the tangent than across it, written for the other programs.
-TEST_F(WithModel, anisotropic_surfaces_are_exported_for_other_programs) {
+TEST_F(Command, AnisotropicSurfacesAreExportedForOtherPrograms) {
     OpenPbrModel surface{.base_metalness = 1, .specular_roughness = 0.5f};
     surface.specular_roughness_anisotropy = 0.5f, surface.specular_rotation = 0.125f;
     ASSERT_TRUE(save_model({surface, {}}, folder / "s.srbf").ok());
@@ -396,7 +400,8 @@ TEST_F(WithModel, anisotropic_surfaces_are_exported_for_other_programs) {
 }
 
 /// A file with transmission is read as a BSDF, and copied unchanged.
-TEST_F(WithModel, mbsdf_files_are_read_with_their_transmission) {
+TEST_F(Command, MbsdfFilesAreReadWithTheirTransmission) {
+    SKIP_UNDER_SANITIZERS("takes too long");
     write(folder / "t.mbsdf", text_of(grey_mbsdf()));
     write(folder / "r.mbsdf", text_of(small_mbsdf()));
     for (const Arguments& output : {Arguments{"o.csv", "--directions", "3"}, {"copy.mbsdf"}}) {

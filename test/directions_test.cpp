@@ -31,7 +31,7 @@ TEST(Fibonacci, DirectionsMatchTheFormula) {
     }
 }
 
-TEST(Uniform, IsEvenAndBelowOne) {
+TEST(Uniform, IsUniformAndBelowOne) {
     std::mt19937_64 random(2);
     std::vector<double> observed(64);
     for (int i = 0; i < 64000; ++i) {
@@ -84,7 +84,7 @@ TEST(MirrorMixture, SamplesFollowTheDensity) {
     }
 }
 
-TEST(Nearest, AreThoseThatTryingAllFinds) {
+TEST(Nearest, AgreesWithASearchOfAllDirections) {
     std::mt19937_64 random(5);
     for (const int n : {8, 9, 100, 1536}) {
         const auto set = fibonacci_directions(n, k_pi / 2);

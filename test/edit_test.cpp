@@ -239,7 +239,7 @@ TEST(Edit, CoatsLookLikeWalksBetweenTheirLayers) {
     }
 }
 
-TEST(Edit, SaysWhatALimitStops) {
+TEST(Edit, NamesTheLimitThatWasReached) {
     const Model fit = k_materials[1].fit();
     const Model brighter = with_edit(fit, Tint{{10, 10, 10}, {1, 1, 1}}),
                 darker = with_edit(fit, Tint{{0.5f, 1, 1}, {}});
@@ -250,7 +250,7 @@ TEST(Edit, SaysWhatALimitStops) {
     EXPECT_FALSE(edited(fit, std::span(&tiny, 1)).ok());  // 16-bit floats would make it black
 }
 
-TEST(Edit, RefusesWhatItCannotEdit) {
+TEST(Edit, RefusesModelsItCannotEdit) {
     std::mt19937_64 random(7);
     const Model colours{random_model(random, {}), {}}, spectral{spectral_model(random, {}, 5), {}},
         facets{k_materials[0].truth, {}};

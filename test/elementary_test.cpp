@@ -86,7 +86,7 @@ TEST(Elementary, FunctionsOfFloatsAreNearlyRoundedOnce) {
     EXPECT_TRUE(std::isnan(elementary::log(-1.f)) && std::isnan(elementary::exp(float(k_nan))));
 }
 
-TEST(Elementary, EndsOfTheirRanges) {
+TEST(Elementary, FunctionsAreExactAtTheEndsOfTheirRanges) {
     namespace e = elementary;
     EXPECT_EQ(e::exp(0.0), 1);
     EXPECT_EQ(e::exp(-708.1), 0);
@@ -122,7 +122,7 @@ TEST(Elementary, EndsOfTheirRanges) {
         EXPECT_TRUE(std::isnan(f(k_nan)));
 }
 
-TEST(Elementary, AnglesOfAllQuadrants) {
+TEST(Elementary, AnglesAreThoseOfTheirQuadrant) {
     const double values[] = {0.0, -0.0, 1.0, -1.0, 1e-300, -1e-300, 1e300, k_infinity, -k_infinity};
     for (const double y : values)
         for (const double x : values) {

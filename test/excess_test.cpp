@@ -32,7 +32,7 @@ PmModel with_spike() {
     return model;
 }
 
-TEST(Excess, IsFoundWhereItIs) {
+TEST(Excess, PairsThatExceedTheMeasurementAreFound) {
     const Observations o = grey();
     const double largest = largest_measured(o);
     EXPECT_WITHIN(largest, 0.3, 1e-3);  // at the normal
@@ -51,7 +51,7 @@ TEST(Excess, IsFoundWhereItIs) {
     EXPECT_GE(where.size(), expected);
 }
 
-TEST(Excess, ChecksBecomeObservationsAndThenWeighMore) {
+TEST(Excess, PairsBecomeObservationsAndThenWeighMore) {
     Observations o = grey();
     const std::size_t first = o.fitted_count(), bound_pairs = o.bound_pairs;
     const std::size_t taken = add_exceeded_pairs(o, first, with_spike(), 0.01);
@@ -72,7 +72,7 @@ TEST(Excess, ChecksBecomeObservationsAndThenWeighMore) {
 }
 
 // The search's subsets grow only by pairs at which a candidate exceeds the measurement.
-TEST(Subsets, TakeInWhereCandidatesExceedTheMeasurement) {
+TEST(Subsets, GrowByPairsAtWhichCandidatesExceedTheMeasurement) {
     const Observations o = grey();
     const PmFitOptions options{.form = PmForm::gaussian, .axial = false, .lobes = 1, .variates = 1};
     Subsets subsets(o);

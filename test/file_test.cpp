@@ -98,7 +98,7 @@ TEST_F(File, KeepsPermissionsAndLinks) {
     EXPECT_EQ(fs::status(path("a")).permissions(), fs::perms::owner_read | fs::perms::owner_write);
 }
 
-TEST(Message, SaysWhatIsThereInOneLine) {
+TEST(Message, IsOneLineWithThePartsThatAreGiven) {
     EXPECT_EQ(message({"a.bsdf", 18, "field count", "between 1 and 1024", "0"}),
               "a.bsdf: at 18: field count: expected between 1 and 1024, found 0");
     EXPECT_EQ(message({"a", {}, "broken", "", ""}), "a: broken");

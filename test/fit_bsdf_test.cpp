@@ -89,11 +89,11 @@ void expect_good(const std::array<Evaluate, k_parts>& parts, bool sides_are_alik
     EXPECT_GT(expect_furnace(fitted->model), 0.1);
 }
 
-TEST(FitBsdf, RoughDielectricSlab) { expect_good(rough_slab(), true); }
-TEST(FitBsdf, Leaf) { expect_good(leaf(), false); }
+TEST(FitBsdf, KeepsTheAlbedosOfARoughSlab) { expect_good(rough_slab(), true); }
+TEST(FitBsdf, KeepsTheAlbedosOfALeaf) { expect_good(leaf(), false); }
 
 /// `fit` refuses a measurement of two sides, and `fit_bsdf` one of a single side.
-TEST(FitBsdf, IsAskedForByName) {
+TEST(FitBsdf, IsRequestedByItsOwnFunction) {
     const Measured sides{"f", "CSV", 0, BsdfTable{{{}}, 0, {}}};
     const std::string expected = "measurement: expected a BRDF, found reflection and transmission, for fit_bsdf";
     const auto fitted = fit(sides, {});

@@ -13,7 +13,12 @@
 namespace srbf::fit_command_test {
 namespace {
 
-TEST_F(Command, fit_writes_model_picture_and_report) {
+class FitCommand : public SmallFit {
+    void SetUp() override { SKIP_UNDER_SANITIZERS("fits take too long"); }
+};
+using FitTarget = CommandLine;
+
+TEST_F(FitCommand, WritesModelPictureAndReport) {
     ASSERT_EQ(first.status, 0) << first.err;
     EXPECT_EQ(first.err, "");  // progress only on a terminal
     EXPECT_EQ(fitted->files().size(), 3u);
@@ -48,7 +53,7 @@ TEST_F(Command, fit_writes_model_picture_and_report) {
     EXPECT_EQ(pictures.value("lightings", Json::object()).size(), standard_lightings().size());
 }
 
-TEST_F(Command, compare_finds_the_errors_that_fit_reports) {
+TEST_F(FitCommand, CompareFindsTheErrorsThatFitReports) {
     const Json fit = report();
     for (const Arguments& theta : {Arguments{}, Arguments{"--max-theta", "89"}}) {
         const ProgramRun compared =
@@ -69,7 +74,7 @@ Json without_durations(Json report) {
     return report;
 }
 
-TEST_F(Command, fit_of_many_files_is_that_of_each) {
+TEST_F(FitCommand, ManyFilesAreFittedAsEachOfThem) {
     write(folder / "small.binary", small_merl());
     write(folder / "broken.binary", small_merl() + "x");
     std::filesystem::copy(k_paper, folder / "small.bsdf");
@@ -126,7 +131,7 @@ std::string smooth_samples(int count) {
     return csv;
 }
 
-TEST_F(Command, fit_chooses_the_lobes_of_scattered_samples) {
+TEST_F(FitCommand, ChoosesTheLobesOfScatteredSamples) {
     write(folder / "samples.csv", smooth_samples(40));
     const ProgramRun fit = run(folder, {"fit", "samples.csv", "--variates", "1", "--form", "source", "--objective",
                                         "raw", "--max-theta", "70", "--json", "-"});
@@ -155,7 +160,7 @@ std::string smooth_spectra() {
     return text;
 }
 
-TEST_F(Command, fit_takes_spectra) {
+TEST_F(FitCommand, FitsSpectra) {
     write(folder / "s.brdf", smooth_spectra());
     const ProgramRun fit = run(folder, {"fit", "s.brdf", "--channels", "spectral", "--lobes", "2", "--variates", "2",
                                         "--objective", "raw", "--max-theta", "75", "--json", "-"});
@@ -189,7 +194,7 @@ TEST_F(Command, fit_takes_spectra) {
     }
 }
 
-TEST_F(Command, fit_stops_at_the_first_size_that_reaches_the_target) {
+TEST_F(FitTarget, IsReachedByTheLastSizeAlone) {
     const ProgramRun fit = run(folder, {"fit", k_paper, "--target-delta-e", "6", "-o", "b.srbf", "--json", "-"});
     ASSERT_EQ(fit.status, 0) << fit.err;
     const Json json = Json::parse(fit.out, nullptr, false), path = json["path"];
@@ -200,7 +205,7 @@ TEST_F(Command, fit_stops_at_the_first_size_that_reaches_the_target) {
     EXPECT_EQ(path.back()["error"], json["mean_pictures"]["delta_e_itp"]);
 }
 
-TEST_F(Command, fit_su_takes_scattered_samples) {
+TEST_F(FitCommand, ViewByViewModelsFitScatteredSamples) {
     write(folder / "samples.csv", smooth_samples(600));
     const ProgramRun fit = run(folder, {"fit", "samples.csv", "--model", "su", "--lobes", "3", "--directions", "96",
                                         "--objective", "raw", "--max-theta", "70", "--json", "-"});
@@ -215,7 +220,7 @@ TEST_F(Command, fit_su_takes_scattered_samples) {
 
 const Arguments k_fit_su{"fit", k_paper, "--model", "su", "--directions", "200", "--lobes", "2", "--objective", "raw"};
 
-TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
+TEST_F(FitCommand, ViewByViewModelsAreReadByTheOtherCommands) {
     const ProgramRun result =
         run(folder, k_fit_su + Arguments{"-o", "su.srbf", "--with-index", "parabolic", "--json", "r.json"});
     ASSERT_EQ(result.status, 0) << result.err;
@@ -255,7 +260,7 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
     EXPECT_CONTAINS(eval.out, fmt::format("0,0,1,{:.9g},{:.9g},{:.9g}\n", f[0].r, f[0].g, f[0].b));
 }
 
-TEST_F(Command, fit_su_refuses) {
+TEST_F(FitCommand, ViewByViewModelsRefuseOptionsOfOthers) {
     // There is one lobe more than there are directions within 80 degrees.
     expect_failure(1, {"fit", k_paper, "--model", "su", "--directions", "16", "--lobes", "14", "--objective", "raw"},
                    "paper_white_rgb.bsdf: directions with data in sampled view 0: expected none or at least 14");

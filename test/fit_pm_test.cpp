@@ -57,7 +57,7 @@ PmModel model_of(int lobes, int variates, std::mt19937_64& random) {
     return model;
 }
 
-TEST(Fit, RecoversASyntheticModel) {
+TEST(FitPm, RecoversASyntheticModel) {
     std::mt19937_64 random(11);
     for (int lobes = 1; lobes <= 4; ++lobes)
         for (const int variates : {lobes % 2 ? 1 : 2, 3}) {
@@ -71,7 +71,7 @@ TEST(Fit, RecoversASyntheticModel) {
         }
 }
 
-TEST(Fit, RecoversSyntheticSpectra) {
+TEST(FitPm, RecoversSyntheticSpectra) {
     std::mt19937_64 random(12);
     PmModel model = model_of(3, 3, random);
     for (int c = 0; c < 9; ++c) model.wavelength.push_back(400 + 35.5f * float(c));
@@ -93,7 +93,7 @@ TEST(Fit, RecoversSyntheticSpectra) {
     EXPECT_FALSE(fit_pm(observations, options));
 }
 
-TEST(Fit, DoesNotDependOnTheUnitOfTheData) {
+TEST(FitPm, DoesNotDependOnTheUnitOfTheData) {
     const Evaluate paper = signed_evaluator(bundled("paper_white_rgb"));
     const PmFitOptions options{.lobes = 2, .variates = 2, .starts = 4, .perturbations = 4};
     std::vector<double> losses;
@@ -126,7 +126,7 @@ const Fitted& fitted(const char* name) {
     return fits.emplace(name, Fitted{measured, std::move(fit), measures[0], measures[1]}).first->second;
 }
 
-TEST(Fit, ReciprocalFormIsReciprocal) {
+TEST(FitPm, ReciprocalFormIsReciprocal) {
     const Measured& paper = bundled("paper_white_rgb");
     for (const bool axial : {true, false}) {
         PmFitOptions options = short_search(PmForm::reciprocal, axial ? 6 : 4, 3);
@@ -155,7 +155,7 @@ TEST(Fit, ReciprocalFormIsReciprocal) {
 }
 
 // f rises towards the horizon such that the albedo is 0.96 at 80° and exceeds 1 beyond 82°, or a third more.
-TEST(Fit, AlbedoIsWithinItsLimit) {
+TEST(FitPm, AlbedoIsWithinItsLimit) {
     constexpr double k_none = std::numeric_limits<double>::infinity();
     struct Case {
         PmForm form;
@@ -190,7 +190,7 @@ TEST(Fit, AlbedoIsWithinItsLimit) {
 }
 
 /// Channels that are equal everywhere have equal coefficients, also where pixels are compared.
-TEST(Fit, GreyStaysGrey) {
+TEST(FitPm, GreyStaysGrey) {
     const Evaluate film = reciprocal_mean(evaluator(bundled("cc_ibiza_sunset_rgb")));
     const Evaluate grey = [&](auto wl, auto wv, auto f) {
         film(wl, wv, f);
@@ -205,7 +205,7 @@ TEST(Fit, GreyStaysGrey) {
 }
 
 /// The mean is reciprocal, equal to a reciprocal function, and where one value is missing, equal to the other.
-TEST(Fit, ReciprocalMeanIsWeightedByTheCosines) {
+TEST(FitPm, ReciprocalMeanIsWeightedByTheCosines) {
     const Evaluate f = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) {
         for (std::size_t i = 0; i < out.size(); ++i) {
             const float missing = wl[i].x > 0.5f ? std::numeric_limits<float>::quiet_NaN() : 0;
@@ -226,7 +226,7 @@ TEST(Fit, ReciprocalMeanIsWeightedByTheCosines) {
     for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(channels[3 * i], mean[i].r);
 }
 
-TEST(Fit, EachObjectiveIsBestInItsOwnMeasure) {
+TEST(FitPm, EachObjectiveIsBestInItsOwnMeasure) {
     const std::pair<Objective, double Measures::*> objective_measures[] = {
         {Objective::raw, &Measures::squared_error_ratio},
         {Objective::cosine, &Measures::squared_error_ratio_cosine},
@@ -251,7 +251,7 @@ TEST(Fit, EachObjectiveIsBestInItsOwnMeasure) {
         }
 }
 
-TEST(Fit, LosesLittleByRounding) {
+TEST(FitPm, LosesLittleByRounding) {
     for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {
         const Fitted& f = fitted(name);
         EXPECT_LE(f.rounded.squared_error_ratio, 1.05 * f.unrounded.squared_error_ratio) << name;
@@ -261,7 +261,7 @@ TEST(Fit, LosesLittleByRounding) {
     }
 }
 
-TEST(Fit, RefusesBadOptionsAndObservations) {
+TEST(FitPm, RefusesInvalidOptionsAndObservations) {
     const Observations good = observed(signed_evaluator(bundled("paper_white_rgb")));
     const auto accepts = [&](auto change) {
         PmFitOptions options;

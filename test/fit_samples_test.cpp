@@ -163,7 +163,7 @@ TEST(FacetMixture, BetweenScansFollowsMicrofacets) {
 }
 
 // A distribution other than GGX, evaluated at held-out incidences.
-TEST(FitToSamples, IsCloserThanGgxAtHeldoutIncidences) {
+TEST(FitSamples, IsCloserThanGgxAtHeldoutIncidences) {
     constexpr double incidences[] = {10, 30, 50, 70};
     const auto abg = [](Vec3f wl, Vec3f wv) {  // Lambert and A / (B + |Δ sinθ|^g)
         const double distance = std::hypot(double(wl.x + wv.x), double(wl.y + wv.y));
@@ -191,7 +191,7 @@ TEST(Folds, FewGroupsAreAnError) {
     EXPECT_CONTAINS(message(fold.error()), "expected at least 5, found 4");
 }
 
-TEST(FitToSamples, NoiseIsNotFitted) {
+TEST(FitSamples, NoiseIsNotFitted) {
     const double noise = 0.02;
     const ScatteredSamples samples = samples_of(1500, noise, 4);
     const auto outcome = fit({"", "", 0, samples}, {PmRequest{.size = LobeCount{3}}, Objective::raw, k_cap});
@@ -210,7 +210,7 @@ TEST(FitToSamples, NoiseIsNotFitted) {
     EXPECT_LT(squared_error / squares, 0.5 * noise * noise);
 }
 
-TEST(FitToSamples, AveragesValuesAtTheSameDirections) {
+TEST(FitSamples, AveragesValuesAtTheSameDirections) {
     // Two values for each pair of directions, 10 % above and below the smooth one.
     ScatteredSamples samples = samples_of(400, 0, 6);
     const std::size_t n = samples.wl.size();
@@ -232,7 +232,7 @@ TEST(FitToSamples, AveragesValuesAtTheSameDirections) {
     EXPECT_WITHIN(errors.squared_error_ratio, 0.01 / 1.01, 0.001);
 }
 
-TEST(FitToSamples, StaysBoundedOutsideThePlaneOfItsSamples) {
+TEST(FitSamples, StaysBoundedOutsideThePlaneOfItsSamples) {
     ScatteredSamples samples;
     double peak = 0;
     for (int l = 0; l <= 70; l += 10)
@@ -415,7 +415,7 @@ TEST(GapFilledSamples, KeepAConstant) {
 }
 
 /// Four wrong values hide the highlight from the completion, from the fit and from cross-validation.
-TEST(FitToSamples, IsJudgedAtItsSamplesToo) {
+TEST(FitSamples, IsJudgedAtItsSamplesToo) {
     ScatteredSamples samples = samples_of(250, 0, 3);
     for (const std::size_t i : {0, 60, 120, 180}) samples.colour[i] = {9999, 9999, 9999};
     const auto outcome = fit({"", "", 0, samples}, {.model = GgxRequest{.lobes = 1}});
@@ -437,7 +437,7 @@ TEST(FitToSamples, IsJudgedAtItsSamplesToo) {
 }
 
 /// Lobes do not follow the noise of samples into gaps.
-TEST(FitToSamples, HasNoHighlightForAMatteSurface) {
+TEST(FitSamples, HasNoHighlightForAMatteSurface) {
     constexpr double noise = 0.01;
     const auto matte = [](Vec3d, Vec3d) { return Rgb{0.16f, 0.13f, 0.1f}; };
     for (const ScatteredSamples& layout : layouts_without_mirror())
@@ -504,7 +504,7 @@ TEST(GapFilledSamples, BoundRoughnessByTheirHalfVectors) {
 
 /// Pictures of gaps between lights 20° apart, with few viewers out of the plane, and of the rim of a sphere beyond
 /// the samples.
-TEST(FitToSamples, LooksLikeTheMaterialInGaps) {
+TEST(FitSamples, LooksLikeTheMaterialInGaps) {
     const ScatteredSamples samples = goniometer_samples(coated);
     const Evaluate truth = evaluator_of(coated);
     // Means over three seeds, which differ by a factor of two. A fit to the samples and interpolated values has
@@ -535,7 +535,7 @@ TEST(FitToSamples, LooksLikeTheMaterialInGaps) {
 }
 
 /// Beyond the samples, near the horizon, unbounded lobes would exceed the gap-filled samples by 40 %.
-TEST(FitToSamples, HorizonHighlightsAreNoBrighterThanGapFilledSamples) {
+TEST(FitSamples, HorizonHighlightsAreNoBrighterThanGapFilledSamples) {
     const ScatteredSamples samples = goniometer_samples(coated);
     const double max_theta = 89 * k_degree;
     const auto observations = observe(samples, {.objective = Objective::appearance, .max_theta = max_theta});
@@ -551,7 +551,7 @@ TEST(FitToSamples, HorizonHighlightsAreNoBrighterThanGapFilledSamples) {
 }
 
 /// Bounds on lobes at pairs beyond the samples take few steps to satisfy, and the fit of the samples stays as good.
-TEST(FitToSamples, BoundsBarelyChangeAFitOfAMetal) {
+TEST(FitSamples, BoundsBarelyChangeAFitOfAMetal) {
     static const GgxModel metal{{0.003f, 0.002f, 0.002f}, {{0.0527f, {0.19f, 0.17f, 0.16f}, 0}}};
     const ScatteredSamples samples =
         goniometer_samples([](Vec3d wl, Vec3d wv) { return value(metal, to_float(wl), to_float(wv)); });
@@ -570,7 +570,7 @@ TEST(FitToSamples, BoundsBarelyChangeAFitOfAMetal) {
 }
 
 /// A spectral fit of a paint, evaluated as colours, is as good as the fit of its colours, and nearly the same.
-TEST(FitToSamples, SpectralAndColourFitsOfAPaintAgree) {
+TEST(FitSamples, SpectralAndColourFitsOfAPaintAgree) {
     const auto path = shared_data() / "cornell" / "krylon_blue.brdf";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
     const Measured paint = *load_measured(path.string());
@@ -603,7 +603,7 @@ TEST(FitToSamples, SpectralAndColourFitsOfAPaintAgree) {
 }
 
 /// A spectral fit has the lobes and the colours of the fit to colours where gaps are filled in colours.
-TEST(FitToSamples, GapsAreFilledForSpectraAsForColours) {
+TEST(FitSamples, GapsAreFilledForSpectraAsForColours) {
     ScatteredSamples samples = goniometer_samples(coated);
     samples.wavelengths = {450, 550, 650};
     const std::vector<Rgb> weights = rgb_weights(samples.wavelengths);
@@ -631,7 +631,7 @@ TEST(FitToSamples, GapsAreFilledForSpectraAsForColours) {
               1e-4);  // coefficients are rounded to 16 bits
 }
 
-TEST(FitToSamples, TooFewOrUnusableSamplesAreAnError) {
+TEST(FitSamples, TooFewOrUnusableSamplesAreAnError) {
     const auto error_message = [](const ScatteredSamples& samples, int lobes) {
         const auto observations = observe(samples, {Objective::raw, k_cap, 0});
         if (!observations) return message(observations.error());

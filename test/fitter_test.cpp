@@ -72,7 +72,7 @@ class DefaultFit : public testing::TestWithParam<Bound> {
     static const FitOutcome& outcome() { return default_fit(GetParam().name); }
 };
 
-TEST_P(DefaultFit, ErrsNoMoreThanItDid) {
+TEST_P(DefaultFit, StaysWithinItsRecordedErrors) {
     EXPECT_EQ(payload_bytes(outcome().model), 210u);
     EXPECT_LE(outcome().errors->appearance.mean.delta_e, GetParam().delta_e);
     EXPECT_LE(outcome().errors->appearance.mean.rms, GetParam().rms);
@@ -81,7 +81,9 @@ TEST_P(DefaultFit, ErrsNoMoreThanItDid) {
 }
 
 /// No fit minimises this error.
-TEST_P(DefaultFit, ErrsInAlbedoNoMoreThanItDid) { EXPECT_LE(outcome().errors->albedo_error, GetParam().albedo_error); }
+TEST_P(DefaultFit, StaysWithinItsRecordedErrorsOfAlbedo) {
+    EXPECT_LE(outcome().errors->albedo_error, GetParam().albedo_error);
+}
 
 TEST_P(DefaultFit, IsBoundedToTheHorizon) {
     const Measured measured = bundled(GetParam().name);
@@ -111,7 +113,7 @@ TEST_P(DefaultFit, IsBoundedToTheHorizon) {
         }
 }
 
-TEST_P(DefaultFit, ReflectsWhatIsMeasuredAtGrazingAngles) {
+TEST_P(DefaultFit, ReflectsTheMeasuredLightAtGrazingAngles) {
     const Measured measured = bundled(GetParam().name);
     for (const double cosine : {1.0, 0.5, 0.1, 0.03, 0.01, 0.002}) {
         const double theta = std::acos(cosine);
@@ -130,7 +132,7 @@ INSTANTIATE_TEST_SUITE_P(Bundled, DefaultFit,
                          [](const auto& one) { return std::string(one.param.name); });
 
 /// The film with more lobes, and view by view.
-TEST(Fitting, LargerModelsErrNoMoreThanTheyDid) {
+TEST(Fitter, LargerModelsStayWithinTheirRecordedErrors) {
     const Measured measured = bundled("cc_ibiza_sunset_rgb");
     const struct {
         FitRequest request;
@@ -150,7 +152,7 @@ TEST(Fitting, LargerModelsErrNoMoreThanTheyDid) {
 
 // ---- A call and its stages ----
 
-TEST(Fitting, EqualsItsStagesCalledSeparately) {
+TEST(Fitter, EqualsItsStagesCalledSeparately) {
     const Measured measured = bundled("paper_white_rgb");
     const FitRequest request = pm(LobeCount{1});
     const auto at_once = fit(measured, request);
@@ -171,7 +173,7 @@ TEST(Fitting, EqualsItsStagesCalledSeparately) {
     EXPECT_EQ(std::get<PmModel>(of_function->model.model), std::get<PmModel>(at_once->model.model));
 }
 
-TEST(Fitting, SamplesAreCrossValidated) {
+TEST(Fitter, SamplesAreCrossValidated) {
     const Measured measured = samples();
     FitRequest request = pm(LobeCount{1}, 1);
     const auto outcome = fit(measured, request);
@@ -189,7 +191,7 @@ TEST(Fitting, SamplesAreCrossValidated) {
 // ---- Progress and cancellation ----
 
 /// Runs each kind of fit with its measurement of errors.
-TEST(Fitting, ProgressNeverDecreasesAndCancelsInEveryStage) {
+TEST(Fitter, ProgressNeverDecreasesAndCancelsInEveryStage) {
     const Measured table = bundled("paper_white_rgb"), scattered = samples();
     struct Case {
         const char* what;
@@ -239,7 +241,7 @@ TEST(Fitting, ProgressNeverDecreasesAndCancelsInEveryStage) {
     }
 }
 
-TEST(Fitting, ATokenCancelsFromAnotherThread) {
+TEST(Fitter, ATokenCancelsFromAnotherThread) {
     const Measured table = bundled("paper_white_rgb");
     const ProgressToken token([](const Progress&) { return true; });
     std::thread other([&] { token.cancel(); });
@@ -249,7 +251,7 @@ TEST(Fitting, ATokenCancelsFromAnotherThread) {
     EXPECT_EQ(outcome.error().code, ErrorCode::cancelled);
 }
 
-TEST(Progress, PartsAreOfTheWhole) {
+TEST(Progress, PartsCountWithinTheWhole) {
     double last = -1;
     const ProgressToken token([&](const Progress& now) { return last = now.fraction, true; });
     EXPECT_TRUE(token.part(0.5, 1).part(0, 0.5).report("a quarter", 1));
@@ -265,7 +267,7 @@ TEST(Progress, PartsAreOfTheWhole) {
 
 // ---- Errors ----
 
-TEST(Fitting, ReachesItsTargetDeltaE) {
+TEST(Fitter, ReachesItsTargetDeltaE) {
     const Measured paper = bundled("paper_white_rgb");
     std::size_t bytes = 0;
     for (const double delta_e : {6.0, 4.0}) {
@@ -283,7 +285,7 @@ TEST(Fitting, ReachesItsTargetDeltaE) {
     EXPECT_EQ(of_samples.error().code, ErrorCode::argument);
 }
 
-TEST(Fitting, RefusesInvalidRequests) {
+TEST(Fitter, RefusesInvalidRequests) {
     const Measured table = bundled("paper_white_rgb");
     const auto code = [&](FitRequest request) {
         const auto outcome = fit(table, request);

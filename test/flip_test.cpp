@@ -8,7 +8,7 @@ namespace {
 constexpr Rgb k_grey{0.19f, 0.19f, 0.19f};
 Image plain(Rgb colour, int width = 24, int height = 20) { return Image(width, height, colour); }
 
-TEST(Flip, OfPlainPictures) {
+TEST(Flip, UniformPicturesMatchTheClosedForm) {
     // Green and blue have the largest distance: 1 by definition.
     for (const double x : flip_map(plain({0, 1, 0}), plain({0, 0, 1}))) EXPECT_WITHIN(x, 1, 1e-4);
     // Black and white, a lightness difference of 100: to the power 0.7 25.119; the largest distance is 41.276.

@@ -112,7 +112,7 @@ template <typename Body> void expect_few(const Body& body, std::uint64_t many = 
     EXPECT_LT(count.subnormal, count.total / 40);
 }
 
-TEST(InnerLoops, CountsSubnormalNumbers) {
+TEST(FloatingPoint, CountersFindSubnormalNumbers) {
     std::vector<float> numbers(k_block, 1.f);
     numbers[3] = std::bit_cast<float>(std::uint32_t(7)), numbers[5] = 0;
     const Counts count = counts_of([&] { count_numbers(numbers.data()); });
@@ -120,7 +120,7 @@ TEST(InnerLoops, CountsSubnormalNumbers) {
     EXPECT_EQ(count.subnormal, 1u);
 }
 
-TEST(InnerLoops, HaveFewSubnormalsInTheDefaultFit) {
+TEST(FloatingPoint, FewNumbersOfTheDefaultFitAreSubnormal) {
     const Measured measured = film();
     expect_few([&] {
         const auto fit = fit_pm(*observe(signed_evaluator(measured), {}), {});
@@ -128,7 +128,7 @@ TEST(InnerLoops, HaveFewSubnormalsInTheDefaultFit) {
     });
 }
 
-TEST(InnerLoops, HaveFewSubnormalsInAViewByViewFit) {
+TEST(FloatingPoint, FewNumbersOfAViewByViewFitAreSubnormal) {
     const Measured measured = film();
     expect_few([&] {
         const auto matrix = tabulate(signed_evaluator(measured), {.directions = 192});
@@ -137,7 +137,7 @@ TEST(InnerLoops, HaveFewSubnormalsInAViewByViewFit) {
     });
 }
 
-TEST(InnerLoops, HaveFewSubnormalsInAFitOfMeasuredSpectra) {
+TEST(FloatingPoint, FewNumbersOfAFitOfMeasuredSpectraAreSubnormal) {
     const auto path = shared_data() / "cornell" / "krylon_blue.brdf";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
     const Measured measured = *load_measured(path.string());

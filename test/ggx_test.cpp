@@ -82,7 +82,7 @@ TEST(Ggx, IsFittedBack) {
 }
 
 /// Two lobes are fitted back from their pictures. One lobe in their place looks more like them if pictures are observed.
-TEST(Ggx, IsFittedToWhatIsSeen) {
+TEST(Ggx, IsFittedToVisibleDifferences) {
     std::mt19937_64 random(5);
     const GgxModel truth = random_ggx(random, 2);
     const auto observed = observe(evaluator(truth), {.count = 8192});

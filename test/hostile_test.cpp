@@ -13,13 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Programs are slow under sanitizers and keep freed memory.
-#ifdef __SANITIZE_ADDRESS__
-constexpr bool k_is_sanitized = true;
-#else
-constexpr bool k_is_sanitized = false;
-#endif
-
 /// Writes `part` `count` times between `first` and `last`, without holding it in memory: a child process starts with
 /// the memory size of this program.
 void write_many(const fs::path& path, const std::string& first, std::string_view part, std::size_t count,
@@ -212,7 +205,7 @@ TEST_F(Hostile, UnknownInputIsRejectedAfterItsBeginning) {
 
 /// With any memory limit, each command succeeds or reports that memory is exhausted.
 TEST_F(Hostile, MemoryStaysWithinTheLimit) {
-    if (k_is_sanitized) GTEST_SKIP() << "the sanitizer takes terabytes of addresses";
+    SKIP_UNDER_SANITIZERS("the sanitizer takes terabytes of addresses");
     std::mt19937_64 random(1);
     ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "m.srbf").ok());
     write(folder / "a.binary", small_merl());
@@ -241,7 +234,7 @@ TEST_F(Hostile, MemoryStaysWithinTheLimit) {
 }
 
 TEST_F(Hostile, RunningOutOfMemoryNamesTheFile) {
-    if (k_is_sanitized) GTEST_SKIP() << "the sanitizer takes terabytes of addresses";
+    SKIP_UNDER_SANITIZERS("the sanitizer takes terabytes of addresses");
     std::string pairs = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n";
     while (pairs.size() < 5000) pairs += "0,0,1,0,0,1,1\n";
     for (const auto& [name, start] : {std::pair("large.csv", pairs), {"large.srbf", model_with_header(2, "{}")}}) {
@@ -305,6 +298,7 @@ TEST_F(Hostile, CompareNamesBothFilesWithoutCommonParts) {
 }
 
 TEST_F(Hostile, NoControlCharactersReachTheTerminal) {
+    SKIP_UNDER_SANITIZERS("too many runs");
     const std::string escapes =
         "a\x1b]0;title\x07\x1b[2J\r\n\t\x7f\xc2\x9b"
         "31mb";

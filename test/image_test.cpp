@@ -157,7 +157,7 @@ template <typename Visit> void for_each_inside(const Visit& visit) {
             if (std::hypot(x + 0.5 - k_size / 2.0, y + 0.5 - k_size / 2.0) < 0.85 * k_size / 2) visit(x, y);
 }
 
-TEST(Preview, OfEqualBrdfsHasABlackDifference) {
+TEST(Preview, DifferenceOfEqualBrdfsIsBlack) {
     const Glossy glossy;
     const Image8 image = small_preview(glossy, glossy);
     EXPECT_EQ(square(image, 0), square(image, 1));

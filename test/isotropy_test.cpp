@@ -59,7 +59,7 @@ Evaluate plus_noise(Evaluate f, const Rgb& deviation) {
     };
 }
 
-TEST(Isotropy, IsTold) {
+TEST(Isotropy, IsDetectedDespiteNoise) {
     const double cap = 80 * k_degree;
     EXPECT_TRUE(is_isotropic(brushed(0.2, 0.2), cap));
     EXPECT_TRUE(is_isotropic(brushed(0.01, 0.01), cap));
@@ -91,7 +91,7 @@ double change(const Evaluate& f, const std::vector<int>& lights, const std::vect
     return change_by_azimuth(samples);
 }
 
-TEST(Isotropy, OfSamplesIsAskedOfRotatedPairs) {
+TEST(Isotropy, SamplesAreComparedAtRotatedPairs) {
     const std::vector<int> all{0, 30, 60, 90, 120, 150, 180, 210, 240, 270, 300, 330};
     const Evaluate round = brushed(0.25, 0.25), along = brushed(0.15, 0.5), tilted = [&](auto wl, auto wv, auto f) {
         round(wl, wv, f);

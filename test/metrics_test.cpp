@@ -56,7 +56,7 @@ constexpr double Measures::*k_all[] = {&Measures::squared_error_ratio,    &Measu
                                        &Measures::log_rms_cosine,         &Measures::cube_root_error_ratio,
                                        &Measures::sixth_root_error_ratio, &Measures::log10_rms};
 
-TEST(Metrics, OfABrdfAgainstItselfAreZero) {
+TEST(Metrics, ErrorsOfABrdfAgainstItselfAreZero) {
     const Glossy glossy;
     for (const auto measure : k_all) {
         EXPECT_EQ(matrix(glossy, glossy).*measure, 0);
@@ -65,7 +65,7 @@ TEST(Metrics, OfABrdfAgainstItselfAreZero) {
     EXPECT_EQ(albedo_error(evaluator(glossy), evaluator(glossy), k_cap), 0);
 }
 
-TEST(Metrics, OfAScaledBrdfAreTheirClosedForms) {
+TEST(Metrics, ErrorsOfAScaledBrdfMatchTheClosedForms) {
     const Glossy glossy, scaled{1.1f};
     for (const Measures& m : {matrix(glossy, scaled), heldout(glossy, scaled)}) {
         EXPECT_WITHIN_RELATIVE(m.squared_error_ratio, 0.01, 1e-5);
@@ -77,7 +77,7 @@ TEST(Metrics, OfAScaledBrdfAreTheirClosedForms) {
     EXPECT_WITHIN_RELATIVE(albedo_error(evaluator(scaled), evaluator(glossy), k_cap), 0.1 / 1.1, 1e-4);
 }
 
-TEST(Metrics, OfNothingAgainstSomethingAreOne) {
+TEST(Metrics, ErrorsOfBlackAreOne) {
     const Glossy glossy;
     const Lambert black{{0, 0, 0}};
     EXPECT_WITHIN(matrix(glossy, black).squared_error_ratio, 1, 1e-12);
@@ -115,7 +115,7 @@ TEST(Metrics, MatrixAndHeldOutPairsAgreeOnSmoothBrdfs) {
         EXPECT_WITHIN_RELATIVE(matrix(wide, other).*measure, heldout(wide, other).*measure, 0.02);
 }
 
-TEST(Metrics, OmitAndCountMissingValues) {
+TEST(Metrics, MissingValuesAreOmittedAndCounted) {
     const Glossy glossy, other{1, 100, 1};
     const Measures whole = matrix(glossy, other), half = matrix(Holed{glossy}, other);
     EXPECT_EQ(whole.pairs, 400u * 400u);
@@ -128,7 +128,7 @@ TEST(Metrics, OmitAndCountMissingValues) {
 }
 
 // The samples have values over many magnitudes, fill no whole number of blocks, and some of them are not measured.
-TEST(Metrics, OfSamplesAreTheirFormulas) {
+TEST(Metrics, ErrorsOfSamplesMatchTheFormulas) {
     std::mt19937_64 random(3);
     const auto is_root = [](std::size_t k) { return !k_measures[k].is_ratio; };
     for (const std::size_t count : {1u, 7u, 1000u}) {
@@ -199,7 +199,7 @@ Channels ramp(std::size_t C, float factor) {
     return channels;
 }
 
-TEST(Metrics, TakeAnyNumberOfChannels) {
+TEST(Metrics, AnyNumberOfChannelsIsMeasured) {
     for (const std::size_t C : {1u, 4u, 31u}) {
         const Channels others[] = {ramp(C, 0.9f), ramp(C, 0)};
         const auto directions = fibonacci_directions(64, 80 * k_degree);
@@ -214,7 +214,7 @@ TEST(Metrics, TakeAnyNumberOfChannels) {
     }
 }
 
-TEST(Albedo, OfALambertianIsItsColourTimesTheCap) {
+TEST(Albedo, ALambertianHasItsColourTimesTheCap) {
     const Lambert lambert{{0.2f, 0.5f, 0.9f}};
     for (const double theta : k_albedo_theta)
         for (const double cap : {k_cap, k_pi / 2}) {

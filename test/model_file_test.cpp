@@ -122,7 +122,7 @@ TEST(ModelFile, TruncationsAreErrorsAndFlippedBytesErrorsOrModels) {
     EXPECT_GT(models, 0);  // flipped bytes of numbers and of provenance
 }
 
-TEST(ModelFile, InvalidHeaders) {
+TEST(ModelFile, InvalidHeadersAreErrors) {
     EXPECT_TRUE(mentions(error_of({}), "at 0: header length: expected 8 bytes, found 0 bytes"));
     Bytes garbage;
     append(garbage, "MERL or any other file that is none of ours");
@@ -178,7 +178,7 @@ TEST(ModelFile, LongNamesAreCutInMessages) {
     EXPECT_NE(error_after([&](File& f) { f.header["bandwidth"]["shape"] = std::vector<int>(100000, 1); }), "");
 }
 
-TEST(ModelFile, InvalidTensors) {
+TEST(ModelFile, InvalidTensorsAreErrors) {
     for (const char* tensor : {"coefficient", "bandwidth", "parameterization"}) {
         const std::string what = std::string("tensor '") + tensor + "'";
         expect_error(what + ": dtype: expected \"F16\"", [&](File& f) { f.header[tensor]["dtype"] = "F32"; });
@@ -207,7 +207,7 @@ TEST(ModelFile, InvalidTensors) {
     expect_error("tensor 'parameterization'", [](File& f) { f.header["parameterization"]["shape"] = {2, 1}; });
 }
 
-TEST(ModelFile, CountsBeyondTheLimits) {
+TEST(ModelFile, CountsBeyondTheLimitsAreErrors) {
     const auto error_of_shape = [](std::size_t J, std::size_t N) {
         File f;
         const std::size_t a = 6 * J, b = a + 2 * J * N, c = b + 4 * N;
@@ -224,7 +224,7 @@ TEST(ModelFile, CountsBeyondTheLimits) {
     EXPECT_NE(error_of_shape(1, 0), "");
 }
 
-TEST(ModelFile, DataWithOverlapsGapsOrTrailingBytes) {
+TEST(ModelFile, OverlapsGapsAndTrailingBytesAreErrors) {
     expect_error("data", [](File& f) { f.header["bandwidth"]["data_offsets"] = {10, 14}; });
     expect_error("without gap or overlap", [](File& f) { f.header["bandwidth"]["data_offsets"] = {16, 20}; });
     expect_error("data_offsets", [](File& f) { f.header["bandwidth"]["data_offsets"] = {14, 12}; });
@@ -243,7 +243,7 @@ TEST(ModelFile, DataWithOverlapsGapsOrTrailingBytes) {
     }
 }
 
-TEST(ModelFile, NumbersOutOfRange) {
+TEST(ModelFile, NumbersOutOfRangeAreErrors) {
     for (const unsigned bad : {0x7c00u, 0xfc00u, 0x7e00u, 0x7c01u, 0xffffu})
         for (std::size_t i = 0; i < 10; ++i)
             EXPECT_TRUE(
@@ -265,7 +265,7 @@ TEST(ModelFile, NumbersOutOfRange) {
     EXPECT_TRUE(mentions(general(0xc000), "tensor 'bandwidth': expected numbers of at least 0, found -2"));
 }
 
-TEST(ModelFile, MissingOrUnknownTensors) {
+TEST(ModelFile, MissingOrUnknownTensorsAreErrors) {
     const auto error_with_tensor = [](const char* name, const char* axial, Json shape) {
         return error_after([&](File& f) {
             f.header["__metadata__"]["axial"] = axial;
@@ -284,7 +284,7 @@ TEST(ModelFile, MissingOrUnknownTensors) {
     });
 }
 
-TEST(ModelFile, InvalidMetadata) {
+TEST(ModelFile, InvalidMetadataIsAnError) {
     for (const char* key : {"srbf", "model", "form", "axial"}) {
         const std::string what = std::string("metadata '") + key + "'";
         expect_error(what, [&](File& f) { f.header["__metadata__"].erase(key); });
@@ -321,7 +321,7 @@ TEST(ModelFile, TruncationsOfSpectralModelsAreErrorsAndFlippedBytesErrorsOrModel
         0);
 }
 
-TEST(ModelFile, InvalidWavelengths) {
+TEST(ModelFile, InvalidWavelengthsAreErrors) {
     const auto error_with_wavelengths = [](const char* wavelengths, std::size_t count) {
         return error_after([&](File& f) {
             f.header["__metadata__"]["wavelengths"] = wavelengths;
@@ -390,7 +390,7 @@ TEST(SuModelFile, TruncationsAreErrorsAndFlippedBytesErrorsOrModels) {
     EXPECT_GT(models, 0);
 }
 
-TEST(SuModelFile, NumbersOutOfRange) {
+TEST(SuModelFile, NumbersOutOfRangeAreErrors) {
     EXPECT_EQ(su_error_after([](SuFile&) {}), "");
     for (const char* tensor : {"coefficient", "bandwidth", "centre"}) {
         for (const unsigned bad : {0x7c00u, 0xfc00u, 0x7e00u})
@@ -407,7 +407,7 @@ TEST(SuModelFile, NumbersOutOfRange) {
     expect_su_error("aux.directions", [](SuFile& f) { f.number("aux.directions", 3) = 0x3c00; });
 }
 
-TEST(SuModelFile, InvalidTensors) {
+TEST(SuModelFile, InvalidTensorsAreErrors) {
     for (const char* tensor : {"coefficient", "bandwidth", "centre", "aux.index", "aux.directions"}) {
         const std::string what = std::string("tensor '") + tensor + "'";
         const bool is_index = tensor == std::string("aux.index");
@@ -427,7 +427,7 @@ TEST(SuModelFile, InvalidTensors) {
     expect_su_error("data", [](SuFile& f) { f.header["gloss"] = f.header["bandwidth"]; });
 }
 
-TEST(SuModelFile, InvalidMetadata) {
+TEST(SuModelFile, InvalidMetadataIsAnError) {
     for (const char* key : {"srbf", "model", "discretise", "interpolation", "neighbours"}) {
         const std::string what = std::string("metadata '") + key + "'";
         expect_su_error(what, [&](SuFile& f) { f.header["__metadata__"].erase(key); });

@@ -23,7 +23,7 @@ nlohmann::json header(const Bytes& bytes) {
     return nlohmann::json::parse(text, text + length);
 }
 
-TEST(Model, WhatIsWrittenIsRead) {
+TEST(Model, WrittenModelsAreReadBack) {
     std::mt19937_64 random(1);
     for (int trial = 0; trial < 200; ++trial) {
         const RandomModelOptions options{.axial = trial % 2 == 0,

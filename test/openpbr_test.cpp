@@ -50,7 +50,7 @@ OpenPbrModel synthetic_surface(Surface surface) {
     return truth;
 }
 
-TEST(Pbr, RotatesWithItsTangentAndIsFiniteAndNotNegative) {
+TEST(OpenPbr, RotatesWithItsTangentAndIsFiniteAndNotNegative) {
     std::mt19937_64 random(1);
     for (int i = 0; i < 2000; ++i) {
         OpenPbrModel model = random_openpbr(random);
@@ -81,7 +81,7 @@ double stretched_facets(Vec3d l, Vec3d v, double along, double across) {
     const auto lambda = [&](Vec3d w) { return (std::sqrt(1 + tan2(w)) - 1) / 2; };
     return d / ((1 + lambda(l) + lambda(v)) * 4 * l.z * v.z);
 }
-TEST(Pbr, FacetsAreRougherAlongTheTangent) {
+TEST(OpenPbr, FacetsAreRougherAlongTheTangent) {
     std::mt19937_64 random(6);
     for (int i = 0; i < 300; ++i) {
         const Vec3f wl = above(random), wv = above(random);
@@ -116,7 +116,7 @@ TEST(Pbr, FacetsAreRougherAlongTheTangent) {
     }
 }
 
-TEST(Pbr, ExchangingSwapsLightAndViewer) {
+TEST(OpenPbr, ExchangingSwapsLightAndViewer) {
     std::mt19937_64 random(2);
     Model model{random_openpbr(random), {}};
     const Vec3f wl = above(random), wv = above(random);
@@ -126,7 +126,7 @@ TEST(Pbr, ExchangingSwapsLightAndViewer) {
     EXPECT_NE(value(model, wl, wv), f);  // layers scale by the albedo at the viewer
 }
 
-TEST(Pbr, DoesNotReflectMoreThanItReceives) {
+TEST(OpenPbr, DoesNotReflectMoreThanItReceives) {
     OpenPbrModel white;
     white.base_color = {1, 1, 1};
     for (const float metalness : {0.f, 1.f})
@@ -143,7 +143,7 @@ TEST(Pbr, DoesNotReflectMoreThanItReceives) {
                 }
 }
 
-TEST(Pbr, WithoutSpecularIsLambertOrEon) {
+TEST(OpenPbr, IsLambertOrEonWithoutSpecular) {
     const Rgb colour{0.2f, 0.5f, 0.9f};
     EXPECT_WITHIN(value(diffuse_alone(colour, 0), {0.6f, 0, 0.8f}, {0, 0, 1}).g, 0.5 / k_pi, 1e-6);
     for (const double theta : {0.0, 1.0, 1.4}) {
@@ -161,7 +161,7 @@ TEST(Pbr, WithoutSpecularIsLambertOrEon) {
     EXPECT_WITHIN(eon(1), 1e-3 / k_pi * (1 + 0.64 / 0.6) / (1.5 - 2 / (3 * k_pi)), 2e-7);
 }
 
-TEST(Pbr, FresnelTermsMatchTheirEquations) {
+TEST(OpenPbr, FresnelTermsMatchTheirEquations) {
     EXPECT_WITHIN(K::normal_reflectance(1.5f), 0.04, 1e-7);
     EXPECT_WITHIN(K::dielectric_reflectance(1, 1.5f), 0.04, 1e-6);
     EXPECT_WITHIN(K::dielectric_reflectance(0, 1.5f), 1, 1e-6);
@@ -176,7 +176,7 @@ TEST(Pbr, FresnelTermsMatchTheirEquations) {
     EXPECT_WITHIN(plain, 0.7 + 0.3 * std::pow(6.0 / 7, 5), 1e-6);
 }
 
-TEST(Pbr, AlbedosOfLayersAreTheirIntegrals) {
+TEST(OpenPbr, AlbedosOfLayersAreTheirIntegrals) {
     for (const float alpha : {0.01f, 0.1f, 0.3f, 1.f})
         for (const float cosine : {0.2f, 0.5f, 1.f}) {
             const GgxModel white{{}, {{alpha, {1, 1, 1}, 1}}};
@@ -197,7 +197,7 @@ TEST(Pbr, AlbedosOfLayersAreTheirIntegrals) {
     }
 }
 
-TEST(Pbr, FilesStoreAllNumbers) {
+TEST(OpenPbr, FilesStoreAllNumbers) {
     std::mt19937_64 random(3);
     for (int i = 0; i < 20; ++i) {
         Model model{rounded(random_openpbr(random)), {{"source", "made up"}}};
@@ -212,7 +212,7 @@ TEST(Pbr, FilesStoreAllNumbers) {
     EXPECT_EQ(payload_bytes(synthetic_surface(Surface::brushed)), 52u);
 }
 
-TEST(Pbr, DamagedFilesAreRejected) {
+TEST(OpenPbr, DamagedFilesAreRejected) {
     for (const OpenPbrModel& model :
          {OpenPbrModel{}, synthetic_surface(Surface::film), synthetic_surface(Surface::brushed)}) {
         const std::vector<std::byte> bytes = write_model({model, {}});
@@ -229,7 +229,7 @@ TEST(Pbr, DamagedFilesAreRejected) {
     }
 }
 
-TEST(Pbr, RecoversSyntheticSurfaces) {
+TEST(OpenPbr, RecoversSyntheticSurfaces) {
     for (const Surface surface : {Surface::coated, Surface::fuzzy, Surface::film, Surface::brushed}) {  // two metals
         const OpenPbrModel truth = synthetic_surface(surface);
         const auto observed = observe(evaluator(truth), {.count = 8192});
@@ -251,7 +251,7 @@ TEST(Pbr, RecoversSyntheticSurfaces) {
     }
 }
 
-TEST(Pbr, FilmColoursMatchTheirEquations) {
+TEST(OpenPbr, FilmColoursMatchTheirEquations) {
     // The equations of Belcour & Barla 2017, in metres, with the C library's functions.
     for (const double path : {0.05e-6, 0.3e-6, 1e-6, 4e-6}) {
         const double phase = 2 * k_pi * path;
@@ -274,7 +274,7 @@ TEST(Pbr, FilmColoursMatchTheirEquations) {
         EXPECT_WITHIN(K::one_minus_cos(x), 1 - std::cos(double(x)), 1e-4 + 1e-7 * double(x) * double(x)) << x;
 }
 
-TEST(Pbr, AFilmOfAirHasNoEffect) {
+TEST(OpenPbr, AFilmOfAirHasNoEffect) {
     OpenPbrModel plain = synthetic_surface(Surface::film), film = plain;
     plain.thin_film_weight = 0, film.thin_film_ior = 1;
     std::mt19937_64 random(4);
@@ -286,7 +286,7 @@ TEST(Pbr, AFilmOfAirHasNoEffect) {
     }
 }
 
-TEST(Pbr, ParametersThatASurfaceLacksKeepTheirDefaults) {
+TEST(OpenPbr, ParametersThatASurfaceLacksKeepTheirDefaults) {
     const auto observed =
         observe(evaluator(synthetic_surface(Surface::coated)), {.objective = Objective::cosine, .count = 1024});
     ASSERT_TRUE(observed.ok());
@@ -296,7 +296,7 @@ TEST(Pbr, ParametersThatASurfaceLacksKeepTheirDefaults) {
     EXPECT_EQ(fit->model.base_diffuse_roughness, 0);
 }
 
-TEST(Pbr, FitsPairsWithoutPictures) {
+TEST(OpenPbr, FitsPairsWithoutPictures) {
     const OpenPbrModel truth = synthetic_surface(Surface::metal);
     const auto observed = observe(evaluator(truth), {.objective = Objective::cosine, .count = 4096});
     ASSERT_TRUE(observed.ok());

@@ -189,7 +189,7 @@ class Options : public CommandLine {
     std::map<std::string, std::string> inputs;
 };
 
-TEST_F(Options, are_read_or_refused) {
+TEST_F(Options, AreReadOrRefused) {
     const auto options = long_options(folder);
     ASSERT_GE(options.at("fit").size(), 25u);
     std::map<std::string, std::set<std::string>> options_read;  // for each subcommand
@@ -279,7 +279,7 @@ class Resuming : public Options {
 };
 
 /// Each option and each input changes between a killed run and the run that resumes it.
-TEST_F(Resuming, does_not_mix_old_results_into_new_ones) {
+TEST_F(Resuming, KeepsOldResultsOutOfNewOnes) {
     const auto options = long_options(folder);
     const Arguments& base = k_resuming;
     kill_at_the_end(base);
@@ -309,7 +309,7 @@ TEST_F(Resuming, does_not_mix_old_results_into_new_ones) {
 
 /// Values of the wrong type for an option, and any value for a flag. The input is missing, so that every run is
 /// quick.
-TEST_F(Options, with_values_of_the_wrong_type_are_errors) {
+TEST_F(Options, AreRefusedWithValuesOfTheWrongType) {
     const std::map<std::string, std::string> base{{"fit", "fit x"},
                                                   {"map", "map x --pairs p.csv -o o"},
                                                   {"info", "info x"},

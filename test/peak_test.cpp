@@ -18,7 +18,7 @@ double brushed(const Vec3d& wl, const Vec3d& wv) {
     return 0.05 + 3 * std::exp(-(h.x * h.x / 0.04 + h.y * h.y / 0.0004) / (h.z * h.z));
 }
 
-TEST(Peak, IsWhereTheHighlightIs) {
+TEST(Peak, IsAtTheHighlight) {
     const auto place = [](Function f) { return peak_of(brdf_of(std::move(f))).position; };
     for (const double bandwidth : {8.0, 100.0, 1e5}) {  // as wide as a satin paint's to 0.2°
         EXPECT_EQ(place(lobe(bandwidth, 2, mirrored)), PeakPosition::mirror) << bandwidth;
@@ -39,7 +39,7 @@ TEST(Peak, IsWhereTheHighlightIs) {
 }
 
 /// Samples in all directions, with noise, and of a scan in the plane of incidence, from one side to the other.
-TEST(Peak, OfSamplesIsTheSame) {
+TEST(Peak, SamplesKeepTheHighlight) {
     std::mt19937_64 random(5);
     std::normal_distribution<double> normal;
     for (const auto& [f, place] : {std::pair<Function, PeakPosition>{lobe(100, 2, mirrored), PeakPosition::mirror},
@@ -67,7 +67,7 @@ TEST(Peak, OfSamplesIsTheSame) {
 }
 
 /// Tables of each format keep it; of a BSDF it is that of the part, straight through in transmission.
-TEST(Peak, OfTablesIsTheSame) {
+TEST(Peak, TablesKeepTheHighlight) {
     expect_peaks_kept([](const Evaluate& brdf) {
         RglOptions rgl;
         rgl.polar = 6, rgl.colours = 24;

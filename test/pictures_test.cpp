@@ -81,7 +81,7 @@ TEST(Pictures, ASmallSourceShowsTheSameAsADistantLightOfItsPower) {
     EXPECT_WITHIN(of_disc, of_light, 0.02 * of_light);
 }
 
-TEST(Pictures, OfIsotropicBrdfsMayShareValues) {
+TEST(Pictures, IsotropicBrdfsMayShareValues) {
     const Evaluate brdfs[] = {glossy(100), glossy(90)};
     const auto one_by_one = sphere_pictures(brdfs, standard_lightings(), 24),
                shared = sphere_pictures(brdfs, standard_lightings(), 24, 0, {}, k_mirror_points, true);
@@ -93,7 +93,7 @@ TEST(Pictures, OfIsotropicBrdfsMayShareValues) {
             }
 }
 
-TEST(Pictures, WhatIsNotMeasuredIsBlackInBoth) {
+TEST(Pictures, PointsWithoutMeasurementAreBlackInBoth) {
     const Evaluate holey = [](std::span<const Vec3f> wl, std::span<const Vec3f>, std::span<Rgb> f) {
         const float nan = std::numeric_limits<float>::quiet_NaN();
         for (std::size_t i = 0; i < f.size(); ++i) f[i] = wl[i].z < 0.5f ? Rgb{nan, nan, nan} : Rgb{1, 1, 1};
@@ -104,7 +104,7 @@ TEST(Pictures, WhatIsNotMeasuredIsBlackInBoth) {
     EXPECT_LE(same.mean.rms, 1e-6);
 }
 
-TEST(Pictures, ErrorsOfABrdfWithItselfAndWithOthers) {
+TEST(Pictures, ErrorsAreZeroForTheSameBrdfAndGrowWithTheDifference) {
     const Evaluate others[] = {glossy(40), glossy(44), glossy(60), lambert({0.3f, 0.3f, 0.3f})};
     const auto all = compare_pictures(glossy(40), others);
     EXPECT_EQ(all[0].mean.delta_e, 0);
@@ -138,7 +138,7 @@ TEST(Pictures, OnlyBrightnessRelativeToTheReferenceMatters) {
     EXPECT_LT(a.mean.delta_e, 10);
 }
 
-TEST(DeltaEItp, OfKnownColours) {
+TEST(DeltaEItp, KnownColoursMatchTheStandard) {
     // White of 100 cd/m² has I = 0.508 on the perceptual quantiser's scale, black 7e-7; grey is neither red nor blue.
     EXPECT_WITHIN(delta_e_itp({1, 1, 1}, {0, 0, 0}), 720 * 0.50808, 0.1);
     EXPECT_EQ(delta_e_itp({0.2f, 0.3f, 0.4f}, {0.2f, 0.3f, 0.4f}), 0);

@@ -55,7 +55,7 @@ Triplet random_colour(std::mt19937_64& random) {
     return x;
 }
 
-TEST(Pixels, ErrorIsASquareWhereNothingIsSeenAndLinearBeyond) {
+TEST(Pixels, ErrorIsQuadraticBelowTheVisibleThresholdAndLinearAbove) {
     const Triplet reference{0.3, 0.2, 0.05}, near_it{0.3005, 0.2, 0.05}, far{0.6, 0.1, 0.3};
     EXPECT_EQ(error(reference, reference), 0);
     const double little = delta_e(reference, near_it), much = delta_e(reference, far);
@@ -68,7 +68,7 @@ TEST(Pixels, ErrorIsASquareWhereNothingIsSeenAndLinearBeyond) {
     EXPECT_WITHIN_RELATIVE(one.pixels.delta_e(0, Case::colours(columns)), much, 1e-4);
 }
 
-TEST(Pixels, WhatBothClipIsEqual) {
+TEST(Pixels, ColoursThatBothClipAreEqual) {
     const Triplet reference{2, 0.5, 1.5};
     EXPECT_EQ(error(reference, {1, 0.5, 7}), 0);
     EXPECT_GT(error(reference, {0.9, 0.5, 1}), 0);

@@ -15,6 +15,12 @@ namespace srbf {
 inline bool near(double a, double b, double tolerance) { return std::isfinite(a) && std::abs(a - b) <= tolerance; }
 /// |a − b| ≤ tolerance |b|, with a finite.
 inline bool near_relative(double a, double b, double tolerance) { return near(a, b, tolerance * std::abs(b)); }
+/// Skips a long test whose input other tests read, too, if everything is compiled with sanitizers. Programs are slow
+/// then, and keep freed memory.
+constexpr bool k_is_sanitized = SRBF_IS_SANITIZED;
+#define SKIP_UNDER_SANITIZERS(reason) \
+    if (::srbf::k_is_sanitized) GTEST_SKIP() << reason
+
 /// Expects what these predicates say, and prints the three numbers if they are false.
 #define EXPECT_WITHIN(a, b, tolerance) EXPECT_PRED3(::srbf::near, a, b, tolerance)
 #define ASSERT_WITHIN(a, b, tolerance) ASSERT_PRED3(::srbf::near, a, b, tolerance)

@@ -6,7 +6,9 @@
 namespace srbf::refusal_test {
 namespace {
 
-TEST_F(CommandLine, spectra_of_colours_are_refused) {
+using Refusal = CommandLine;
+
+TEST_F(Refusal, SpectraOfColoursAreRefused) {
     write(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n");
     write(folder / "c.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0,1,0,0,1,1\n");
     for (const std::string& file : {k_paper, std::string("c.csv")}) {
@@ -18,7 +20,7 @@ TEST_F(CommandLine, spectra_of_colours_are_refused) {
                        "spectral only with --model pm");
 }
 
-TEST_F(CommandLine, bad_input_leaves_nothing_behind) {
+TEST_F(Refusal, BadInputLeavesNothingBehind) {
     const std::string paper = contents(k_paper), merl = small_merl();
     write(folder / "empty", "");
     write(folder / "truncated.bsdf", paper.substr(0, paper.size() / 2));
@@ -42,7 +44,7 @@ TEST_F(CommandLine, bad_input_leaves_nothing_behind) {
     expect_failure(1, {"fit", "zero.binary"}, "zero.binary: ");
 }
 
-TEST_F(CommandLine, outputs_that_cannot_be_written_leave_nothing_behind) {
+TEST_F(Refusal, OutputsThatCannotBeWrittenLeaveNothingBehind) {
     write(folder / "small.binary", small_merl());
     std::filesystem::create_directory(folder / "a folder");
     std::filesystem::create_symlink("small.binary", folder / "link");
@@ -61,7 +63,8 @@ TEST_F(CommandLine, outputs_that_cannot_be_written_leave_nothing_behind) {
 }
 
 /// A full device is noticed only after fitting and measuring.
-TEST_F(CommandLine, full_devices_leave_nothing_behind) {
+TEST_F(Refusal, FullDevicesLeaveNothingBehind) {
+    SKIP_UNDER_SANITIZERS("fits take too long");
     write(folder / "small.binary", small_merl());
     const Arguments fit{"fit", "small.binary", "--model", "ggx", "--objective", "cosine"};
     expect_failure(1, fit + Arguments{"-o", "/dev/full", "--json", "r.json"}, "/dev/full");
@@ -69,7 +72,7 @@ TEST_F(CommandLine, full_devices_leave_nothing_behind) {
     expect_failure(1, fit, "standard output", "/dev/full");
 }
 
-TEST_F(CommandLine, usage_errors_of_choices) {
+TEST_F(Refusal, UsageErrorsNameTheChoices) {
     expect_failure(2, {"fit", k_paper, "--form", "sauce"}, "expected gaussian or extended or reciprocal, found sauce");
     expect_failure(2, {"fit", k_paper, "--lobes", "many"}, "expected 1 to 64 or auto, found many");
     expect_failure(2, {"fit", k_paper, "--axial", "--no-axial"}, "--axial");
@@ -79,7 +82,7 @@ TEST_F(CommandLine, usage_errors_of_choices) {
     expect_failure(1, {"fit", k_paper, k_paper, "--as-one"}, "one sample: expected samples as in paper_white_rgb.bsdf");
 }
 
-TEST_F(CommandLine, options_that_a_mode_does_not_read_are_refused) {
+TEST_F(Refusal, OptionsThatAModeDoesNotReadAreRefused) {
     write(folder / "m.binary", small_merl());
     const Arguments raster{"render", "m.binary", "-o", "x.png", "--size", "8x8", "--renderer", "raster"};
     for (const Arguments& path_only : {Arguments{"--aov"},
@@ -104,7 +107,7 @@ TEST_F(CommandLine, options_that_a_mode_does_not_read_are_refused) {
 }
 
 /// Options of samples with models, maps and texels of maps.
-TEST_F(CommandLine, options_of_samples_are_refused_for_models) {
+TEST_F(Refusal, OptionsOfSamplesAreRefusedForModels) {
     write(folder / "m.binary", small_merl());
     std::mt19937_64 random(1);
     write(folder / "map.srbf", text_of(write_map(random_map(random, {}, 1, 1))));
@@ -116,7 +119,7 @@ TEST_F(CommandLine, options_of_samples_are_refused_for_models) {
     }
 }
 
-TEST_F(CommandLine, usage_errors_name_the_help_of_their_subcommand) {
+TEST_F(Refusal, UsageErrorsNameTheHelpOfTheirSubcommand) {
     for (const auto& [arguments, help_command] : {std::pair(Arguments{}, "srbf --help"),
                                                   {{"bogus"}, "srbf --help"},
                                                   {{"fit"}, "srbf fit --help"},
@@ -126,7 +129,7 @@ TEST_F(CommandLine, usage_errors_name_the_help_of_their_subcommand) {
         expect_failure(2, arguments, fmt::format("(see {})", help_command));
 }
 
-TEST_F(CommandLine, usage_errors_name_what_is_wrong) {
+TEST_F(Refusal, UsageErrorsNameWhatIsWrong) {
     const std::pair<Arguments, std::string> bad[] = {
         {{}, "subcommand"},
         {{"bogus"}, "bogus"},
@@ -156,7 +159,7 @@ TEST_F(CommandLine, usage_errors_name_what_is_wrong) {
     for (const auto& [arguments, message_part] : bad) expect_failure(2, arguments, message_part);
 }
 
-TEST_F(CommandLine, convert_refuses) {
+TEST_F(Refusal, ConvertRefusesInvalidRequests) {
     write(folder / "m.binary", small_merl());
     write(folder / "a.csv",
           "# anisotropic\nwl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n0.6,0,0.8,0,0,1,1\n");
@@ -171,7 +174,7 @@ TEST_F(CommandLine, convert_refuses) {
     expect_failure(1, {"fit", "a.csv"}, "samples at different directions: expected at least 5, found 2");
 }
 
-TEST_F(CommandLine, render_refuses) {
+TEST_F(Refusal, RenderRefusesInvalidRequests) {
     write(folder / "m.binary", small_merl());
     write(folder / "no_faces.obj", "v 0 0 0\n");
     write(folder / "nan.obj", "v 0 nan 0\nf 1 1 1\n");

@@ -70,7 +70,7 @@ TEST(Rgl, ComputesItsFormula) {
     }
 }
 
-TEST(Rgl, WithoutJacobianTheColourIsTheValue) {
+TEST(Rgl, ColourIsTheValueIfThereIsNoJacobian) {
     auto fields = simple_rgl();
     field(fields, "jacobian").numbers[0] = std::byte(0);
     const auto plain = read_rgl(tensor_file(fields), "plain");

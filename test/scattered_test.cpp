@@ -791,7 +791,7 @@ TEST(ScatteredSamples, ManySamplesOfOnePairAreInterpolatedQuickly) {
     }
 }
 
-TEST(ScatteredSamples, RealMeasurements) {
+TEST(ScatteredSamples, MeasuredPaintsAreReadAndInterpolated) {
     const auto folder = shared_data();
     if (!std::filesystem::exists(folder / "cornell")) GTEST_SKIP() << folder << " is not here";
     for (const char* name : {"krylon_blue", "garnet_red", "acryl_blue"}) {

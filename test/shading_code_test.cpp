@@ -269,7 +269,7 @@ TEST_F(ShadingCode, RunsAsCAndCpp) {
 }
 
 /// Renderers are often compiled so: sums are reordered, and all numbers taken for finite.
-TEST_F(ShadingCode, IsTheSameWithFastMath) {
+TEST_F(ShadingCode, FastMathKeepsItsValues) {
     expect_compiled(SRBF_COMPILER " -x c -std=c99", code_in_c(), "srbf_vec3", "c_fast", "-O2 -ffast-math");
     void* const headers =
         compiled(SRBF_COMPILER " -x c++ -std=c++20 -I'" SRBF_SOURCE_DIR "/include'", "headers",

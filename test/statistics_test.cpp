@@ -17,7 +17,7 @@ TEST(Statistics, UpperGammaRatioAgreesWithTables) {
     EXPECT_WITHIN(upper_gamma_ratio(3, 4 - 1e-9), upper_gamma_ratio(3, 4 + 1e-9), 1e-8);
 }
 
-TEST(Statistics, PValuesAreEvenForARightDistribution) {
+TEST(Statistics, PValuesOfTheRightDistributionAreUniform) {
     std::mt19937_64 random(1);
     const std::vector<double> expected(20, 50.0);
     double below_tenth = 0, sum = 0;

@@ -45,7 +45,7 @@ TEST(Utia, IsReadByItsSize) {
         EXPECT_FALSE(read_utia(std::span(bytes).first(size), "t").ok());
 }
 
-TEST(Utia, WhatIsNotFiniteIsMasked) {
+TEST(Utia, NonFiniteValuesAreMasked) {
     const auto t = read_utia(utia_file([](int l, int, int v, int, int c) {
                                  return l == 2 && v == 3 && c == 1 ? std::nan("") : l == 4 && c == 0 ? INFINITY : 1.0;
                              }),
@@ -62,7 +62,7 @@ TEST(Utia, WhatIsNotFiniteIsMasked) {
     EXPECT_FALSE(read_utia(utia_file([&](int, int, int, int, int) { return nan; }), "t").ok());
 }
 
-TEST(Utia, KeepsTheContract) {
+TEST(Utia, SatisfiesTheContractOfABrdf) {
     std::mt19937_64 random(2);
     const auto t = read_utia(utia_file([&](int, int, int, int, int) { return 3 * uniform(random) - 1; }), "t");
     ASSERT_TRUE(t.ok());

@@ -102,7 +102,7 @@ void write_missing() {
     for (const auto& [name, model] : models_of_today()) add(name, write_model(model));
 }
 
-TEST(Versions, FilesOfEachAreReadAndMeanTheSame) {
+TEST(Versions, FilesOfEachVersionKeepTheirMeaning) {
     if (std::getenv("SRBF_WRITE_MODELS")) write_missing();
     int files = 0;
     for (const auto& entry : fs::recursive_directory_iterator(k_folder)) {
@@ -124,7 +124,7 @@ TEST(Versions, FilesOfEachAreReadAndMeanTheSame) {
     EXPECT_GE(files, 20);
 }
 
-TEST(Versions, SomeAreRefusedInOneLine) {
+TEST(Versions, WithdrawnFilesAreRefusedInOneLine) {
     for (const auto& [name, found] : k_refused) {
         const auto loaded = load_brdf((k_folder / "1" / (name + ".srbf")).string());
         ASSERT_FALSE(loaded);

@@ -37,7 +37,7 @@ TEST_F(BlenderScript, HasTablesOfEachMaterial) {
     EXPECT_EQ(std::system(fmt::format("cd '{}' && python3 -B check.py", folder.path.string()).c_str()), 0);
 }
 
-TEST_F(BlenderScript, IsRefusedForOtherInput) {
+TEST_F(BlenderScript, OtherInputIsRefused) {
     const auto refused = [&](const Arguments& arguments, const std::string& words) {
         const ProgramRun result = run(folder, Arguments{"export"} + arguments + Arguments{"-o", "o"});
         EXPECT_NE(result.status, 0);

@@ -172,7 +172,7 @@ TEST(Closures, ShowMirrorLikeAndMatteSurfaces) {
     }
 }
 
-TEST(Closures, RefuseWhatCannotBeFitted) {
+TEST(Closures, AreRefusedForBlackAndBadOptions) {
     const Evaluate black = [](std::span<const Vec3f>, std::span<const Vec3f>, std::span<Rgb> f) {
         std::ranges::fill(f, Rgb{});
     };

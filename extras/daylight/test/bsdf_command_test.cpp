@@ -11,7 +11,7 @@ namespace srbf::bsdf_command_test {
 namespace {
 
 /// A shade and a small fit to it, made once and copied into the folder of each test.
-class OfShade : public CommandLine {
+class BsdfCommand : public CommandLine {
   protected:
     static void SetUpTestSuite() {
         shared = std::make_unique<TemporaryFolder>();
@@ -29,7 +29,7 @@ class OfShade : public CommandLine {
     inline static ProgramRun fitted;
 };
 
-TEST_F(OfShade, is_fitted_and_evaluated_on_both_sides) {
+TEST_F(BsdfCommand, FitsAndEvaluatesBothSides) {
     ASSERT_EQ(fitted.status, 0) << fitted.err;
     const Json report = Json::parse(contents(folder / "r.json"));
     EXPECT_EQ(report["model"], "bsdf");
@@ -67,7 +67,7 @@ TEST_F(OfShade, is_fitted_and_evaluated_on_both_sides) {
     expect_failure(1, {"fit", k_paper, "--band", "Solar"}, "expected a measurement in bands");
 }
 
-TEST_F(OfShade, is_compared_converted_and_exported) {
+TEST_F(BsdfCommand, ComparesConvertsAndExports) {
     ASSERT_EQ(fitted.status, 0) << fitted.err;
     const ProgramRun compared = run(folder, {"compare", "shade.xml", "shade.srbf", "--json", "-"});
     ASSERT_EQ(compared.status, 0) << compared.err;
@@ -99,7 +99,7 @@ TEST_F(OfShade, is_compared_converted_and_exported) {
     EXPECT_CONTAINS(contents(folder / "film.js"), "class FilmTransmissionFrontMaterial");
 }
 
-TEST_F(OfShade, is_fitted_view_by_view_and_by_lambert_and_ggx) {
+TEST_F(BsdfCommand, FitsViewByViewAndByLambertAndGgx) {
     for (const std::string model : {"su", "ggx"}) {
         std::vector<std::string> fit{"fit",           "shade.xml", "--model", model,    "-o",
                                      model + ".srbf", "--threads", "1",       "--json", model + ".json"};
@@ -130,14 +130,14 @@ TEST_F(OfShade, is_fitted_view_by_view_and_by_lambert_and_ggx) {
                    "expected a model that is not view by view");
 }
 
-TEST_F(OfShade, is_no_surface_of_one_side) {
+TEST_F(BsdfCommand, RefusesModelsOfOneSide) {
     expect_failure(1, {"fit", "shade.xml", "--model", "openpbr", "-o", "x.srbf"},
                    "shade.xml: model: expected pm, su or ggx, since a surface of OpenPBR scatters light to one side");
     expect_failure(2, {"fit", "shade.xml", "--model", "openpbr", "--channels", "spectral", "-o", "x.srbf"},
                    "--channels");
 }
 
-TEST_F(OfShade, is_fitted_among_many) {
+TEST_F(BsdfCommand, FitsAShadeAmongOtherFiles) {
     write(folder / "other.xml", small_shade());
     write(folder / "bad.xml", small_shade().substr(0, 2000));
     const std::vector<std::string> command{"fit", "shade.xml", "other.xml", "bad.xml", k_paper,
@@ -156,7 +156,7 @@ TEST_F(OfShade, is_fitted_among_many) {
     EXPECT_EQ(report["parts"].size(), 4u);
 }
 
-TEST_F(OfShade, lets_light_into_a_room) {
+TEST_F(BsdfCommand, AShadeLetsLightIntoARoom) {
     if (!is_offered({"render"})) GTEST_SKIP() << "without srbf render";
     ASSERT_EQ(fitted.status, 0) << fitted.err;
     const ProgramRun drawn = run(folder, {"render", "shade.xml", "shade.srbf", "--scene", "room", "--size", "24x16",

@@ -46,7 +46,7 @@ TEST(FitPatches, AveragesOverPatches) {
     EXPECT_LT(fit_error, 0.2 * patch_error);
 }
 
-TEST(FitPatches, SmallShade) {
+TEST(FitPatches, FitsASmallShadeOfFourParts) {
     const std::string text = small_shade();
     const auto measured = read_measured(as_bytes(text), "f");
     ASSERT_TRUE(measured.ok());
@@ -64,7 +64,7 @@ TEST(FitPatches, SmallShade) {
 }
 
 /// A matrix that few lobes cannot represent is still fitted.
-TEST(FitPatches, WhatNoLobesFollowHasAnAnswer) {
+TEST(FitPatches, PatchesThatNoLobesFollowGiveAFit) {
     const std::string text = small_shade();
     const auto measured = read_measured(as_bytes(text), "f");
     ASSERT_TRUE(measured.ok());
@@ -153,7 +153,7 @@ const Shade* shade() {
     return fit ? &*fit : nullptr;
 }
 
-TEST(FitPatches, RollerShade) {
+TEST(FitPatches, KeepsTheSumsOfARollerShade) {
     const Shade* fit = shade();
     if (!fit) GTEST_SKIP() << "no klems/2011-SA1.xml";
     EXPECT_LE(payload_bytes(fit->fitted.model), 400u);  // from 2 MB
@@ -168,14 +168,14 @@ TEST(FitPatches, RollerShade) {
     EXPECT_WITHIN(fit->fitted.most_fitted, fit->fitted.most_measured, 0.005);
 }
 
-TEST(FitPatches, RollerShadeInEvenLight) {
+TEST(FitPatches, ARollerShadePassesTheFurnaceTest) {
     const Shade* fit = shade();
     if (!fit) GTEST_SKIP() << "no klems/2011-SA1.xml";
     const double matrix = furnace(prepare_bsdf(fit->measured, {.threads = 1}), 64);
     EXPECT_WITHIN_RELATIVE(expect_furnace(fit->fitted.model), matrix, 0.01);
 }
 
-TEST(FitPatches, RollerShadeIsDrawnWithLittleNoise) {
+TEST(FitPatches, ARollerShadeIsSampledWithLittleNoise) {
     const Shade* fit = shade();
     if (!fit) GTEST_SKIP() << "no klems/2011-SA1.xml";
     const PreparedBsdf bsdf = prepare_bsdf(fit->fitted.model, {.threads = 1});

@@ -234,7 +234,7 @@ TEST(Klems, ColoursAreOfSeveralBands) {
     }
 }
 
-TEST(Klems, KnowsIsotropy) {
+TEST(Klems, IsotropyIsDetected) {
     const AngleBasis basis = small_basis();
     const auto is_isotropic_if = [&](bool relative) {
         const auto measured =
@@ -285,7 +285,7 @@ TEST(Klems, RefusesBadFiles) {
 }
 
 /// A real roller shade: its column sums with the beam separated, compared with sums computed independently.
-TEST(Klems, RollerShade) {
+TEST(Klems, SumsOfARollerShadeAgreeWithIndependentOnes) {
     const auto path = shared_data() / "klems" / "2011-SA1.xml";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;
     const auto measured = load_measured(path);

@@ -11,10 +11,10 @@
 namespace srbf::environment_code_test {
 namespace {
 
-class EnvironmentCodes : public WrittenCode {};
+class EnvironmentCode : public WrittenCode {};
 
 /// The draws are from an environment whose radiance hardly changes over the solid angle of one.
-TEST_F(EnvironmentCodes, DrawsAreOfTheEnvironment) {
+TEST_F(EnvironmentCode, DrawsAreOfTheEnvironment) {
     const Model model{rounded(GgxModel{{0.3f, 0.2f, 0.1f}, {{0.3f, {0.3f, 0.2f, 0.1f}, 1}}}), {}};
     const NamedModel named{"glossy", &model};
     const auto text = [&](CodeLanguage language) {
@@ -70,7 +70,7 @@ const ExtendedLight& light_of_glossy() {
 }
 
 /// Under an environment that a host supplies, whose radiance tells where and how blurred it is asked.
-TEST_F(EnvironmentCodes, EnvironmentsAreThoseOfTheLibrary) {
+TEST_F(EnvironmentCode, EnvironmentsAreThoseOfTheLibrary) {
     const NamedModel named{"glossy", &glossy()};
     const auto text = [&](CodeLanguage language) {
         return *shading_code(std::span(&named, 1), "glossy", {.language = language, .with = {"environment"}});
@@ -155,7 +155,7 @@ LobeIntegral lobe_integral(std::span<const ExtendedLight::Lobe> lobes, const Vec
 
 /// The code's area light against its lobes, integrated over the directions of quadrilaterals near and far, some of them
 /// across the horizon; small ones against the BRDF; all directions together are the albedo.
-TEST_F(EnvironmentCodes, AreaLightsAreIntegralsOfTheLobes) {
+TEST_F(EnvironmentCode, AreaLightsAreIntegralsOfTheLobes) {
     const Model& model = glossy();
     const NamedModel named{"glossy", &model};
     void* const library =
@@ -212,7 +212,7 @@ void expect_near_colour(const Rgb& found, const Rgb& expected, float relative, c
 
 /// The radiance of an even environment is reflected by the albedo, and that of a large quadrilateral near the surface; both
 /// of a mean of coefficients is the mean.
-TEST_F(EnvironmentCodes, LightOfMapsIsLinear) {
+TEST_F(EnvironmentCode, LightOfMapsIsLinear) {
     const TexelMap map = map_of(5, 2);
     void* const library = compiled(
         SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "light",
@@ -251,7 +251,7 @@ TEST_F(EnvironmentCodes, LightOfMapsIsLinear) {
     }
 }
 
-TEST_F(EnvironmentCodes, LightOfMapsCompiles) {
+TEST_F(EnvironmentCode, LightOfMapsCompiles) {
     EXPECT_TRUE(compiles_as_glsl(
         "light.frag",
         "#version 300 es\nprecision highp float;\nuniform highp sampler2DArray layers;\n" +
@@ -270,7 +270,7 @@ std::size_t loops_of(const std::string& text) {
 }
 
 /// Statements in the place of loops, with numbers in the place of tables, compute the same.
-TEST_F(EnvironmentCodes, UnrolledLoopsComputeTheSame) {
+TEST_F(EnvironmentCode, UnrolledLoopsComputeTheSame) {
     std::mt19937_64 random(2);
     PmModel lobes =
         random_model(random, {.log_scale = true, .lobes = 4, .most_bandwidth = 40, .form = PmForm::reciprocal});
@@ -306,7 +306,7 @@ TEST_F(EnvironmentCodes, UnrolledLoopsComputeTheSame) {
     }
 }
 
-TEST_F(EnvironmentCodes, WhatIsNotOfferedIsRefused) {
+TEST_F(EnvironmentCode, UnknownFeaturesAreRefused) {
     const NamedModel named{"glossy", &glossy()};
     for (const char* unknown : {"sampling", "light", ""}) {
         const auto text = shading_code(std::span(&named, 1), "glossy", {.with = {unknown}});

@@ -126,7 +126,7 @@ void add_rasterized(Expected& to, const std::vector<Model>& models, Dialect dial
     }
 }
 
-TEST(Three, ShowsWhatTheDesktopShows) {
+TEST(Three, DrawsThePictureOfTheDesktop) {
     const fs::path three = shared_data().parent_path() / "peers" / "three";
     if (!fs::exists(three)) GTEST_SKIP() << "no three.js at " << three;
     auto context = OffscreenContext::make();

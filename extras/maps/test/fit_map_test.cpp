@@ -50,7 +50,7 @@ std::pair<std::vector<Vec3f>, std::vector<Vec3f>> some_pairs(std::size_t count) 
     return {wl, wv};
 }
 
-TEST(FitMap, WhatIsWrittenIsRead) {
+TEST(FitMap, WrittenMapsAreReadBack) {
     const TexelMap map = some_map();
     const auto bytes = write_map(map);
     EXPECT_TRUE(is_map_file(bytes));

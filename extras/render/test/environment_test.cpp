@@ -168,7 +168,7 @@ TEST(Environment, ExrWithoutColourIsAnError) {
     EXPECT_FALSE(read_exr(*read_file(folder / "a.exr"), "a.exr").ok());
 }
 
-TEST(Environment, WhatIsNoRadianceCountsAsZero) {
+TEST(Environment, NumbersThatAreNoRadianceCountAsZero) {
     Image image(4, 2, {1, 1, 1});
     image.at(0, 0).r = -1;
     image.at(1, 0) = {NAN, NAN, 1};
@@ -231,7 +231,7 @@ TEST(Environment, AreaOfTheWarpTimesTheDensityIsOne) {
     EXPECT_GT(smooth, 200);
 }
 
-TEST(Environment, WhereThereIsLightItIsDrawn) {
+TEST(Environment, LitTexelsAreSampled) {
     Image image(8, 4);
     image.at(0, 1) = {0, 1, 0};  // its neighbours share in it, the one across the seam too
     const Environment environment(image);
@@ -247,7 +247,7 @@ TEST(Environment, WhereThereIsLightItIsDrawn) {
     EXPECT_GT(lit, 100);
 }
 
-TEST(Environment, BlackAndConstantOnes) {
+TEST(Environment, BlackIsDetectedAndAConstantIsUniform) {
     const Environment black(Image(5, 3)), constant(Image(7, 4, {2, 3, 4}));
     EXPECT_TRUE(black.is_black());
     EXPECT_FALSE(constant.is_black());
@@ -260,7 +260,7 @@ TEST(Environment, BlackAndConstantOnes) {
     }
 }
 
-TEST(Environment, TheBundledOneIsPartOfTheProgram) {
+TEST(Environment, BundledPictureIsPartOfTheProgram) {
     const auto studio = load_environment("studio");
     ASSERT_TRUE(studio.ok());
     EXPECT_EQ(studio->texels().width, 512);

@@ -26,7 +26,7 @@ Image8 noisy(const Image8& image, int by) {
     return other;
 }
 
-TEST(Likeness, OfAPictureWithItself) {
+TEST(Likeness, APictureEqualsItself) {
     const Likeness same = likeness(pattern(), pattern());
     EXPECT_TRUE(std::isinf(same.psnr) && same.psnr > 0);
     EXPECT_WITHIN(same.ssim, 1, 1e-12);
@@ -54,7 +54,7 @@ TEST(Likeness, FallsWithNoise) {
     }
 }
 
-TEST(Likeness, PsnrAndSsimOfPlainPictures) {
+TEST(Likeness, PsnrAndSsimOfUniformPicturesMatchTheClosedForms) {
     const Likeness found = likeness(plain({51, 51, 51}), plain({102, 102, 102}));
     EXPECT_WITHIN(found.psnr, -20 * std::log10(0.2), 1e-9);
     EXPECT_WITHIN(found.ssim, (2 * 0.2 * 0.4 + 1e-4) / (0.04 + 0.16 + 1e-4), 1e-9);

@@ -11,9 +11,11 @@
 namespace srbf::map_exr_test {
 namespace {
 
+using MapExr = CommandLine;
+
 constexpr std::size_t k_width = 8, k_height = 4;
 
-TEST_F(CommandLine, maps_are_written_as_open_exr) {
+TEST_F(MapExr, MapsAreWrittenAsOpenExr) {
     std::mt19937_64 random(1);
     const TexelMap map = random_map(random, {true, true, 5, 3, 60, PmForm::extended}, k_width, k_height);
     write(folder / "map.srbf", text_of(write_map(map)));

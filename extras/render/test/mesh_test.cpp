@@ -44,7 +44,7 @@ double normals_off(const Mesh& mesh) {
     return most;
 }
 
-TEST(Mesh, TheSphereIsOne) {
+TEST(Mesh, SphereIsClosedAndHasItsVolume) {
     Mesh mesh = sphere();
     for (const Vec3f& p : mesh.positions) EXPECT_WITHIN(dot(p, p), 1, 1e-6);
     EXPECT_WITHIN_RELATIVE(volume(mesh), 4 * k_pi / 3, 2e-3);
@@ -58,7 +58,7 @@ TEST(Mesh, TheSphereIsOne) {
     EXPECT_TRUE(is_closed(mesh));
 }
 
-TEST(Mesh, TheKnotIsAClosedTube) {
+TEST(Mesh, KnotIsAClosedTube) {
     const Mesh mesh = knot();
     check_mesh(mesh);
     EXPECT_TRUE(is_closed(mesh));
@@ -126,14 +126,14 @@ TEST(Ply, HoldsOneMeshInThreeEncodings) {
     }
 }
 
-TEST(Ply, PassesOverWhatItDoesNotTake) {
+TEST(Ply, SkipsUnknownElements) {
     const auto mesh = read(corpus("ply/others"));
     ASSERT_TRUE(mesh) << message(mesh.error());
     EXPECT_EQ(mesh->positions, (std::vector<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
     EXPECT_EQ(mesh->normals, std::vector<Vec3f>(3, Vec3f{0, 0, 1}));
 }
 
-TEST(Obj, IsTurnedWhereItIsInsideOut) {
+TEST(Obj, TrianglesInsideOutAreReversed) {
     const std::string vertices = "v 5 5 5\nv 6 5 5\nv 5 6 5\nv 5 5 6\n";
     const auto outside = read(vertices + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
     const auto inside = read(vertices + "f 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n");
@@ -157,7 +157,7 @@ TEST(Obj, TakesAVertexForEachPairOfPositionAndNormal) {
 }
 
 /// A map is wrapped around built-in meshes once, continuously but for where its edges meet, and on a sphere as a globe.
-TEST(Mesh, BuiltInOnesHavePlacesInAMap) {
+TEST(Mesh, BuiltInMeshesHavePlacesInAMap) {
     for (const std::string_view name : k_built_in_meshes) {
         const Mesh mesh = *load_mesh(std::string(name));
         ASSERT_EQ(mesh.texture.size(), mesh.triangles.size()) << name;
@@ -212,7 +212,7 @@ std::string error_of(std::string file, const std::string& part = "", const std::
     return mesh ? "none" : message(mesh.error());
 }
 
-TEST(Ply, BadOnesAreErrors) {
+TEST(Ply, BadFilesAreErrors) {
     const std::string ascii = corpus("ply/ascii"), little = corpus("ply/little");
     EXPECT_EQ(error_of(ascii), "none");
     EXPECT_EQ(error_of(ascii, "face 4", "face 0"), "f: faces of the mesh: expected one at least, found none");
@@ -257,7 +257,7 @@ TEST(Mesh, FlippedBytesBreakNoPromise) {
     }
 }
 
-TEST(Obj, BadOnesAreErrors) {
+TEST(Obj, BadFilesAreErrors) {
     const std::string file = corpus("obj/normals");
     EXPECT_CONTAINS(error_of(file, "v 1 0 0", "v 1 nan 0"), "line 4: v: expected three numbers");
     EXPECT_CONTAINS(error_of(file, "v 1 0 0", "v 1 0"), "line 4");

@@ -73,7 +73,7 @@ std::size_t count(const std::string& text, std::string_view what) {
     return n;
 }
 
-TEST(Page, HoldsItsShadersAndNothingFromOutside) {
+TEST(Page, HoldsItsShadersAndLoadsNothing) {
     const Page page = all_kinds();
     const std::string html = page_html(page);
     for (const PageMaterial& shown : page.materials)
@@ -228,7 +228,7 @@ TEST(Slices, LobesReachAsFarAsTheyAreBright) {
     EXPECT_WITHIN(logarithmic[2], 0, 0.2);
 }
 
-TEST(Slices, OfBothSidesGoAllAround) {
+TEST(Slices, BothSidesAreDrawnAroundTheCircle) {
     // 10 is reflected at the front, 5 at the back, 0.1 transmitted to the back and 1 to the front.
     const Evaluate f = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) {
         constexpr float of_part[] = {10, 5, 0.1f, 1};
@@ -296,7 +296,7 @@ TEST(Charts, AreLogarithmicInBothDirections) {
     for (const char* label : {">0.1 %<", ">1 %<", ">10 %<", ">16<"}) EXPECT_CONTAINS(svg, label);
 }
 
-TEST(Html, Base64AndFilledTexts) {
+TEST(Html, Base64IsTheStandardsAndFieldsAreFilledOnce) {
     const auto encoded = [](std::string_view text) { return base64(std::as_bytes(std::span(text))); };
     EXPECT_EQ(encoded(""), "");  // RFC 4648
     EXPECT_EQ(encoded("f"), "Zg==");
@@ -500,7 +500,7 @@ void expect_environment(StepPictures& steps, const Json& refused) {
     EXPECT_EQ(refused["restored"], "");
 }
 
-TEST(Page, DrawsInABrowserWhatTheDesktopDraws) {
+TEST(Page, ABrowserDrawsThePictureOfTheDesktop) {
     auto context = OffscreenContext::make();
     if (!context) GTEST_SKIP() << message(context.error());
     const Page page = all_kinds();

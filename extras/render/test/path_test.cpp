@@ -96,7 +96,11 @@ PreparedBsdf lossless() {
     return prepare_bsdf(Model{bsdf, {}}, {.threads = 1});
 }
 
-TEST(Path, ThinSphereInEvenLightIsWhite) {
+class Path : public testing::Test {
+    void SetUp() override { SKIP_UNDER_SANITIZERS("paths take too long"); }
+};
+
+TEST_F(Path, ThinSpherePassesTheWhiteFurnaceTest) {
     PathScene scene = sphere_scene(diffuse({}), &even_light());
     scene.materials = {lossless()};
     PathOptions options = small(256);
@@ -106,7 +110,7 @@ TEST(Path, ThinSphereInEvenLightIsWhite) {
 }
 
 /// Through a plane in front of light on one side, from either side: what passes unscattered and what is transmitted.
-TEST(Path, LightPassesThroughAPlane) {
+TEST_F(Path, LightPassesThroughAPlane) {
     for (const double eye : {5.0, -5.0}) {
         PathScene scene = plane_scene(diffuse({}));
         scene.materials = {lossless()};
@@ -122,7 +126,7 @@ TEST(Path, LightPassesThroughAPlane) {
     }
 }
 
-TEST(Path, WhiteSphereInEvenLightIsWhite) {
+TEST_F(Path, PassesTheWhiteFurnaceTest) {
     const PmModel model = [] {
         PmModel white = glossy();
         white.coefficient = {{float(1 / k_pi), float(1 / k_pi), float(1 / k_pi)}, {0, 0, 0}};
@@ -136,7 +140,7 @@ TEST(Path, WhiteSphereInEvenLightIsWhite) {
     }
 }
 
-TEST(Path, NothingIsLostBetweenWhiteSurfaces) {
+TEST_F(Path, NothingIsLostBetweenWhiteSurfaces) {
     // A white ball on white ground: after interreflection all light leaves the scene.
     PathScene scene = sphere_scene(diffuse({1, 1, 1}), &even_light());
     const Mesh ground = ground_below(ball_mesh(), scene.camera.up, 4);
@@ -149,7 +153,7 @@ TEST(Path, NothingIsLostBetweenWhiteSurfaces) {
     EXPECT_LT(mean_of(render_paths(scene, options).rendering.radiance).value, 0.97);
 }
 
-TEST(Path, DirectionalLightIsTheClosedForm) {
+TEST_F(Path, DirectionalLightMatchesTheClosedForm) {
     PathScene scene = plane_scene(diffuse({0.5f, 0.5f, 0.5f}));
     const double theta = 50 * k_degree;
     scene.lights = {{spherical(theta, 1.0), {3, 3, 3}}};
@@ -158,7 +162,7 @@ TEST(Path, DirectionalLightIsTheClosedForm) {
         EXPECT_WITHIN(double(pixel.g), 0.5 / k_pi * 3 * std::cos(theta), 1e-5);
 }
 
-TEST(Path, AreaLightIsTheClosedForm) {
+TEST_F(Path, AreaLightMatchesTheClosedForm) {
     // Irradiance at the point below a corner of a square s × s at height d; four of them form the light.
     const double s = 2, d = 1.5, x = s / d;
     const double quarter = x / std::sqrt(1 + x * x) * std::atan(x / std::sqrt(1 + x * x));  // times L
@@ -192,14 +196,14 @@ TEST(Path, AreaLightIsTheClosedForm) {
     }
 }
 
-TEST(Path, LightsAreSeen) {
+TEST_F(Path, LightsAreSeen) {
     PathScene scene = plane_scene(diffuse({0, 0, 0}));
     scene.area_lights = {{{-1, -1, 2}, {2, 0, 0}, {0, 2, 0}, {7, 8, 9}}};
     const PathPicture picture = render_paths(scene, small(1, 4));
     EXPECT_EQ(picture.rendering.radiance.at(1, 1), (Rgb{7, 8, 9}));
 }
 
-TEST(Path, AllWaysToDrawGiveOnePicture) {
+TEST_F(Path, AllWaysToDrawGiveOnePicture) {
     const Environment light([] {
         Image image(16, 8, {0.2f, 0.2f, 0.2f});
         image.at(3, 2) = {30, 30, 30};
@@ -227,7 +231,7 @@ TexelMap glossy_map(std::vector<std::array<Rgb, 2>> texels, std::size_t width) {
     return map;
 }
 
-TEST(Path, AConstantMapIsItsModel) {
+TEST_F(Path, AConstantMapIsItsModel) {
     const std::array<Rgb, 2> coefficients{{{0.2f, 0.1f, 0.05f}, {1.5f, 1.5f, 1.5f}}};
     const TexelMap map = glossy_map(std::vector(6, coefficients), 3);
     const PreparedMap prepared = prepare_map(map);
@@ -249,7 +253,7 @@ TEST(Path, AConstantMapIsItsModel) {
             EXPECT_WITHIN(found.pixels[i][c], expected.pixels[i][c], 1e-5 + 1e-4 * double(expected.pixels[i][c]));
 }
 
-TEST(Path, AMapShowsEachOfItsTexels) {
+TEST_F(Path, AMapShowsEachOfItsTexels) {
     const std::array<Rgb, 2> red{{{0.2f, 0, 0}, {}}}, green{{{0, 0.2f, 0}, {}}};
     Mesh mesh = plane_mesh();  // u to the right, the first row at the top
     mesh.texture = {{{{0, 1}, {1, 1}, {1, 0}}}, {{{0, 1}, {1, 0}, {0, 0}}}};
@@ -272,7 +276,7 @@ TEST(Path, AMapShowsEachOfItsTexels) {
     expect(-10, 5, 0.5);  // where the map is repeated
 }
 
-TEST(Path, AMaskMixesMaterials) {
+TEST_F(Path, AMaskMixesMaterials) {
     const auto colour = [](const Rgb& albedo) -> PreparedBsdf {
         return prepare(Model{GgxModel{albedo, {{1, {}, 0}}}, {}});
     };
@@ -297,7 +301,7 @@ TEST(Path, AMaskMixesMaterials) {
 }
 
 /// The mean of draws is the albedo, and their variance not much more than by the texel's own mixture.
-TEST(Path, TexelsAreDrawnFromTheirLobes) {
+TEST_F(Path, TexelsAreDrawnFromTheirLobes) {
     std::mt19937_64 random(5);
     for (const bool axial : {true, false}) {
         const TexelMap map = random_map(random, {.axial = axial, .lobes = 4, .most_bandwidth = 200}, 4, 2);
@@ -325,7 +329,7 @@ TEST(Path, TexelsAreDrawnFromTheirLobes) {
     }
 }
 
-TEST(Path, EnvironmentStandsUpright) {
+TEST_F(Path, EnvironmentStandsUpright) {
     Image image(16, 8);
     for (int x = 0; x < 16; ++x) image.at(x, 0) = image.at(x, 1) = {1, 1, 1};  // above
     const Environment above(image);
@@ -341,7 +345,7 @@ TEST(Path, EnvironmentStandsUpright) {
     EXPECT_TRUE(upright > 0.45 && upright < 0.6) << upright;
 }
 
-TEST(Path, PictureDoesNotDependOnThreads) {
+TEST_F(Path, PictureDoesNotDependOnThreads) {
     const PmModel model = glossy();
     const PathScene scene = sphere_scene(prepare(model, propose(evaluator(model))), &even_light());
     PathOptions options = small(3, 50);
@@ -361,7 +365,7 @@ TEST(Path, PictureDoesNotDependOnThreads) {
     EXPECT_NE(one.rendering.radiance, render_paths(scene, options).rendering.radiance);
 }
 
-TEST(Path, FirstHitsAreThoseOfTheSphere) {
+TEST(Rays, HitTheSphereAtItsDepthAndNormal) {
     PathScene scene = sphere_scene(diffuse({0.25f, 0.5f, 0.75f}), nullptr);
     scene.lights = {{{0, 0, 1}, {1, 1, 1}}};
     const PathPicture picture = render_paths(scene, small(16, 33));
@@ -376,7 +380,7 @@ TEST(Path, FirstHitsAreThoseOfTheSphere) {
     EXPECT_EQ(picture.rendering.radiance.pixels[0], Rgb{});
 }
 
-TEST(Path, WhatWasNotMeasuredIsBlack) {
+TEST(Rays, AreBlackAtPointsWithoutMeasurement) {
     const PreparedBrdf unmeasured = prepare(Unmeasured{}, CosineProposal{});
     const PathPicture picture = render_paths(sphere_scene(unmeasured, &even_light()), small(2));
     for (const Rgb& pixel : picture.rendering.radiance.pixels) EXPECT_TRUE(is_finite(pixel));
@@ -384,7 +388,7 @@ TEST(Path, WhatWasNotMeasuredIsBlack) {
 }
 
 /// Nobody grazes a surface by less than 0.01, also not where an interpolated normal points away.
-TEST(Path, TheRimIsBounded) {
+TEST_F(Path, TheRimIsBounded) {
     PathScene scene = sphere_scene(prepare(Grazing{}, CosineProposal{}), &even_light());
     PathOptions options = small(4, 128);
     options.occlusion = false;
@@ -395,7 +399,7 @@ TEST(Path, TheRimIsBounded) {
     EXPECT_LE(least, 0.011f);  // that of the middle of the sphere
 }
 
-TEST(Path, RaysLeaveAllThreadsToTheProcess) {
+TEST(Rays, LeaveAllThreadsToTheProcess) {
     using Control = tbb::global_control;
     const auto most = [] { return Control::active_value(Control::max_allowed_parallelism); };
     const std::size_t before = most();
@@ -403,7 +407,7 @@ TEST(Path, RaysLeaveAllThreadsToTheProcess) {
     EXPECT_EQ(most(), before);
 }
 
-TEST(Path, RaysFindWhatIsNearest) {
+TEST(Rays, FindTheNearestTriangle) {
     std::mt19937_64 random(1);
     const Mesh mesh = sphere(10), other = knot(40, 8);
     const Rays rays({&mesh, &other});
@@ -434,7 +438,7 @@ TEST(Path, RaysFindWhatIsNearest) {
 }
 
 /// The mesh has each of the sizes that it may have when it is read.
-TEST(Path, SceneOfAnySizeIsOnePicture) {
+TEST_F(Path, SceneOfAnySizeIsOnePicture) {
     std::vector<Image> pictures;
     for (const float scale : {1.f, 0x1p-23f, 0x1p22f}) {
         Mesh mesh = ball(24);
@@ -483,6 +487,7 @@ TEST_F(PathCommand, PicturesAreWritten) {
 }
 
 TEST_F(PathCommand, PicturesAreCompared) {
+    SKIP_UNDER_SANITIZERS("takes too long");
     ASSERT_EQ(render({"-o", "a.exr"}).status, 0);
     // The reference is the same picture, from a file or made anew.
     for (const char* reference : {"a.exr", "a.srbf"}) {
@@ -499,6 +504,7 @@ TEST_F(PathCommand, PicturesAreCompared) {
 }
 
 TEST_F(PathCommand, MapsAreDrawnOnMeshesWithPlaces) {
+    SKIP_UNDER_SANITIZERS("takes too long");
     const TexelMap map = glossy_map({{{{0.2f, 0, 0}, {}}}, {{{0, 0.2f, 0}, {}}}}, 2);
     ASSERT_TRUE(write_file(folder / "map.srbf", write_map(map)).ok());
     write(folder / "bare.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");

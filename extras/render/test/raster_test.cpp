@@ -277,7 +277,7 @@ TEST_P(Raster, TheInsideOfAnOpenSurfaceIsSeenWithItsNormalTurned) {
     EXPECT_EQ(std::ranges::count_if(surface->read_positions(), [](const Float4& p) { return p[3] > 0; }), 0);
 }
 
-TEST_P(Raster, WhatIsTooLargeIsRefused) {
+TEST_P(Raster, TooLargePicturesAreRefused) {
     std::mt19937_64 random(4);
     const auto model = random_model(random, {.axial = false, .lobes = k_most_lobes, .variates = k_most_variates});
     const auto material = RasterMaterial::make(model, {.dialect = GetParam()});

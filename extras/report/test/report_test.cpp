@@ -190,7 +190,7 @@ std::set<fs::path> completed_folders(const fs::path& report) {
     return folders;
 }
 
-TEST_F(Report, SaysWhereNoFramesCanBeTimed) {
+TEST_F(Report, SaysIfNoFramesCanBeTimed) {
     const TemporaryFolder blind;
     fs::copy(*folder / "nickel.binary", blind / "nickel.binary");
     for (const fs::path& done : completed_folders(folder->path / "whole"))
@@ -215,7 +215,7 @@ TEST_F(Report, NamesTheSourcesRowsBesideItsOwnMaterials) {
     EXPECT_CONTAINS(contents(page_of("nickel")), "<data value='0.0044'>0.44 %</data>");
 }
 
-TEST_F(Report, GoesOnWhereItWasKilled) {
+TEST_F(Report, ResumesAfterItWasKilled) {
     const pid_t process = start(*folder, arguments("killed"), *folder / "out", *folder / "err");
     ASSERT_GT(process, 0);
     const fs::path report = folder->path / "killed";
@@ -279,7 +279,7 @@ TEST_F(Report, KeepsStudiesOfTheSameInputAndOptionsAlone) {
     EXPECT_EQ(completed_folders(other / "o").size(), 6u);
 }
 
-TEST_F(Report, RefusesWhatItCannotUse) {
+TEST_F(Report, RefusesInputItCannotUse) {
     const auto refused = [&](Arguments more, int status, const char* named) {
         more.insert(more.begin(), "report");
         const ProgramRun run = srbf::run(*folder, more);

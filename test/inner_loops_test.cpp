@@ -8,7 +8,7 @@
 #include "srbf/kernel.h"
 #include "srbf/models/pm.h"
 
-namespace srbf::gram_test {
+namespace srbf::inner_loops_test {
 namespace {
 
 constexpr std::size_t k_count = 2 * k_block + 300, k_bound_pairs = 7;
@@ -40,17 +40,17 @@ std::vector<const float*> pointers(const std::vector<Aligned<float>>& columns) {
 }
 
 /// Each test runs once per instruction set.
-class Gram : public testing::TestWithParam<Target> {
+class InnerLoops : public testing::TestWithParam<Target> {
   protected:
     const OneTarget target_{GetParam()};
     const Observations observations_ = random_observations();
     const Rows rows_{observations_};
     std::mt19937_64 random_{2};
 };
-INSTANTIATE_TEST_SUITE_P(EachTarget, Gram, testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
+INSTANTIATE_TEST_SUITE_P(EachTarget, InnerLoops, testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
                          [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
 
-TEST_P(Gram, RowsContainTheObservationsWithoutBoundPairs) {
+TEST_P(InnerLoops, RowsContainTheObservationsWithoutBoundPairs) {
     ASSERT_EQ(rows_.blocks, 3u);
     for (std::size_t i = 0; i < 3 * k_block; ++i) {
         const Vec3f wl(rows_.wl[0][i], rows_.wl[1][i], rows_.wl[2][i]),
@@ -78,13 +78,13 @@ TEST_P(Gram, RowsContainTheObservationsWithoutBoundPairs) {
     EXPECT_EQ(Rows(few).blocks, 0u);
 }
 
-TEST_P(Gram, WeightsOfRowsSumToOne) {
+TEST_P(InnerLoops, WeightsOfRowsSumToOne) {
     double sum = 0;
     for (const float root : rows_.root_weight) sum += double(root) * double(root);
     EXPECT_WITHIN(sum, 1, 1e-5);
 }
 
-TEST_P(Gram, AxialFeatureIsTheExponentOfAKernelAtTheNormal) {
+TEST_P(InnerLoops, AxialFeatureIsTheExponentOfAKernelAtTheNormal) {
     using K = Kernel<double>;
     const auto widened = [](Vec3f w) { return Vec3d(double(w.x), double(w.y), double(w.z)); };
     for (int trial = 0; trial < 20; ++trial) {
@@ -110,7 +110,7 @@ TEST_P(Gram, AxialFeatureIsTheExponentOfAKernelAtTheNormal) {
     }
 }
 
-TEST_P(Gram, GeneralFeaturesMatchTheKernel) {
+TEST_P(InnerLoops, GeneralFeaturesMatchTheKernel) {
     const auto widened = [](Vec3f w) { return Vec3d(double(w.x), double(w.y), double(w.z)); };
     using K = Kernel<double>;
     const double a = std::cos(0.4), b = std::sin(0.4);
@@ -132,7 +132,7 @@ TEST_P(Gram, GeneralFeaturesMatchTheKernel) {
     }
 }
 
-TEST_P(Gram, FurtherFeaturesMatchTheKernel) {
+TEST_P(InnerLoops, FurtherFeaturesMatchTheKernel) {
     const auto widened = [](Vec3f w) { return Vec3d(double(w.x), double(w.y), double(w.z)); };
     for (const PmForm form : k_forms) {
         const int count = features(form);
@@ -152,7 +152,7 @@ TEST_P(Gram, FurtherFeaturesMatchTheKernel) {
     }
 }
 
-TEST_P(Gram, ExponentIsTheWeightedSumAndItsMaximumSkipsWeightsOfZero) {
+TEST_P(InnerLoops, ExponentIsTheWeightedSumAndItsMaximumSkipsWeightsOfZero) {
     for (const std::size_t variates : {1u, 3u, 8u}) {
         std::vector<Aligned<float>> s;
         std::vector<float> weight;
@@ -193,7 +193,7 @@ TEST_P(Gram, ExponentIsTheWeightedSumAndItsMaximumSkipsWeightsOfZero) {
               std::numeric_limits<float>::lowest());
 }
 
-TEST_P(Gram, ExponentiateSubtractsTheOffset) {
+TEST_P(InnerLoops, ExponentiateSubtractsTheOffset) {
     for (const float offset : {0.f, -30.f, 80.f}) {
         const auto exponents = column(random_, -90, 0);
         for (std::size_t block = 0; block < 3; ++block) {
@@ -215,7 +215,7 @@ TEST_P(Gram, ExponentiateSubtractsTheOffset) {
     }
 }
 
-TEST_P(Gram, MultiplyAndResidual) {
+TEST_P(InnerLoops, MultiplyAndResidualMatchTheirFormulas) {
     const auto a = column(random_, -1, 1), b = column(random_, -1, 1);
     Aligned<float> product(k_block);
     multiply(a.data(), b.data(), product.data());
@@ -241,7 +241,7 @@ TEST_P(Gram, MultiplyAndResidual) {
     }
 }
 
-TEST_P(Gram, AddProductsAddsProductsOfRowsAndColumns) {
+TEST_P(InnerLoops, AddProductsAddsProductsOfRowsAndColumns) {
     for (const std::size_t m : {1u, 4u, 7u})
         for (const std::size_t n : {1u, 3u, 8u}) {
             std::vector<Aligned<float>> rows, columns;
@@ -261,7 +261,7 @@ TEST_P(Gram, AddProductsAddsProductsOfRowsAndColumns) {
         }
 }
 
-TEST_P(Gram, AddGramAddsProductsUpToTheDiagonal) {
+TEST_P(InnerLoops, AddGramAddsProductsUpToTheDiagonal) {
     for (std::size_t n = 1; n <= 30; ++n) {
         std::vector<Aligned<float>> columns;
         for (std::size_t j = 0; j < n; ++j) columns.push_back(column(random_, -0.5, 1));
@@ -309,7 +309,7 @@ std::vector<double> all_results(const Rows& rows) {
     return results;
 }
 
-TEST(Gram, LoopsHaveTheSameBitsWithAllInstructionSets) {
+TEST(InnerLoops, LoopsHaveTheSameBitsWithAllInstructionSets) {
     const Rows rows(random_observations());
     const auto expected = all_results(rows);
     for (const Target target : hwy::SupportedAndGeneratedTargets()) {
@@ -319,4 +319,4 @@ TEST(Gram, LoopsHaveTheSameBitsWithAllInstructionSets) {
 }
 
 }  // namespace
-}  // namespace srbf::gram_test
+}  // namespace srbf::inner_loops_test

@@ -525,7 +525,7 @@ def test_the_package_and_the_documentation_are_typed(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_both_sides_are_read_and_fitted(tmp_path):
+def test_both_sides_are_read_and_sampled(tmp_path):
     path = tmp_path / "both.csv"
     rows = ["# both sides", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value"]
     rows += ["0,0,1,0,0.6,0.8,1", "0,0,-1,0,0.6,-0.8,2", "0,0,1,0,0.6,-0.8,3"]

@@ -278,7 +278,7 @@ inline Uses uses_of_measurements() {
 /// Prepares, evaluates and samples the BRDF of a file, and runs commands of the program on it: all quick ones and a
 /// slow one, or in a fuzzer a single one. The sum of the bytes chooses.
 inline void check_uses(std::span<const std::byte> bytes) {
-    static const FuzzFolder folder;
+    static const TemporaryFolder folder;
     static const Uses model_uses = uses_of_models(), measurement_uses = uses_of_measurements();
     const auto write = [](const char* name, std::span<const std::byte> content) {
         std::ofstream(folder.path() / name, std::ios::binary)
@@ -308,7 +308,7 @@ inline void check_uses(std::span<const std::byte> bytes) {
         const std::string out = "out" + use.extension;
         if (use.words[0] != "info") words.insert(words.end(), {"-o", out});
         const InProcess done = run_in_process(folder.path(), words);
-        const std::string line = fmt::format("{}: ", fmt::join(words, " ")), text = bytes_of(folder.path() / out);
+        const std::string line = fmt::format("{}: ", fmt::join(words, " ")), text = read_text(folder.path() / out);
         require(done.status != k_usage, line + "only a file is wrong");
         require(done.status == k_done || text.empty(), line + "an error writes nothing");
         require(!has_bad_number(text), line + "numbers are finite");

@@ -51,7 +51,7 @@ TEST(Allocations, FailuresEndAReader) {
     for (const NamedTarget& target : all_targets()) {
         if (target.name == "uses") continue;  // this target runs the program, not a reader
         for (const auto& entry : fs::directory_iterator(folders.at(target.name))) {
-            const std::string bytes = contents(entry.path());
+            const std::string bytes = read_text(entry.path());
             const auto file = std::as_bytes(std::span(bytes));
             const auto read = [&] {
                 try {

@@ -15,7 +15,7 @@ using BsdfCode = WrittenCode;
 
 /// Returns BSDFs with parts of their own, with parts that their counterparts answer for, and with one that is 0.
 std::vector<Model> bsdfs() {
-    std::vector<Model> all(3, Model{full_bsdf(), {}});
+    std::vector<Model> all(3, Model{lobe_bsdf_with_beams(), {}});
     auto& shared = std::get<BsdfModel>(all[1].model);
     shared.part[1].reset(), shared.part[3].reset();
     shared.beam = {};
@@ -98,7 +98,8 @@ double sum_of(const std::vector<double>& numbers) {
 /// The density integrates to 1 with the draws that have no direction, draws follow it, and their weights are unbiased.
 void expect_draws(const Answer& answer, const Model& model, Vec3f wv, std::mt19937_64& random) {
     const PolarBins bins{{0, 0, 1}, {0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6, 1.8, 1.9, 2}};
-    std::vector<double> expected = bins.masses([&](Vec3d w) { return double(answer(density, to_float(w), wv).r); }, 48);
+    std::vector<double> expected =
+        bins.integrals([&](Vec3d w) { return double(answer(density, to_float(w), wv).r); }, 48);
     std::vector<double> observed(bins.size());
     constexpr int count = 50000;
     int lost = 0;
@@ -122,7 +123,7 @@ void expect_draws(const Answer& answer, const Model& model, Vec3f wv, std::mt199
     for (double& each : expected) each *= seen / mass;
     EXPECT_GT(chi2_p_value(observed, expected), sidak(0.01, 12));
     const double whole =
-        sum_of(bins.masses([&](Vec3d w) { return double(value(model, to_float(w), wv).g) * std::abs(w.z); }, 48));
+        sum_of(bins.integrals([&](Vec3d w) { return double(value(model, to_float(w), wv).g) * std::abs(w.z); }, 48));
     const double mean = sum / count, deviation = std::sqrt((squares / count - mean * mean) / count);
     EXPECT_WITHIN(mean, whole, 4 * deviation + 3e-3 * whole);
 }

@@ -24,7 +24,7 @@ std::vector<std::pair<Vec3f, Vec3f>> random_pairs(int count) {
 
 /// Each part answers in its frame; light from straight behind comes to it from the mirror direction.
 TEST(Bsdf, PartsHaveFramesOfTheirOwn) {
-    const Model model{full_bsdf(), {}};
+    const Model model{lobe_bsdf_with_beams(), {}};
     const auto& parts = std::get<BsdfModel>(model.model).part;
     std::array<int, k_parts> asked{};
     std::vector<Vec3f> lights, views;
@@ -51,7 +51,7 @@ TEST(Bsdf, PartsHaveFramesOfTheirOwn) {
 
 /// A part that is empty is answered by its counterpart: transmission is then reciprocal.
 TEST(Bsdf, MissingPartsHaveTheValuesOfTheirCounterparts) {
-    BsdfModel bsdf = full_bsdf();
+    BsdfModel bsdf = lobe_bsdf_with_beams();
     bsdf.part[1].reset(), bsdf.part[3].reset();
     const Model model{bsdf, {}};
     for (const auto& [wl, wv] : random_pairs(400)) {
@@ -60,7 +60,7 @@ TEST(Bsdf, MissingPartsHaveTheValuesOfTheirCounterparts) {
     }
     Model swapped = model;
     exchange(swapped);
-    const Model whole{full_bsdf(), {}};
+    const Model whole{lobe_bsdf_with_beams(), {}};
     Model whole_swapped = whole;
     exchange(whole_swapped);
     for (const auto& [wl, wv] : random_pairs(200))
@@ -71,7 +71,7 @@ TEST(Bsdf, MissingPartsHaveTheValuesOfTheirCounterparts) {
 }
 
 TEST(Bsdf, FilesKeepAllParts) {
-    Model model{full_bsdf(), {{"source", "test"}}};
+    Model model{lobe_bsdf_with_beams(), {{"source", "test"}}};
     auto& bsdf = std::get<BsdfModel>(model.model);
     bsdf.part[1].reset();
     bsdf.part[2] = std::make_shared<const Model>(Model{GgxModel{{0.1f, 0.2f, 0.3f}, {GgxModel::Lobe{}}}, {}});
@@ -95,7 +95,7 @@ TEST(Bsdf, FilesKeepAllParts) {
 /// The numbers of azimuths of a beam's rings are whole, above 0, and those of its nodes.
 TEST(Bsdf, RefusesBadBeams) {
     const auto error_of = [](std::vector<int> azimuths, std::size_t nodes) {
-        BsdfModel bsdf = full_bsdf();
+        BsdfModel bsdf = lobe_bsdf_with_beams();
         bsdf.beam[2] = {{0.25f, 0.5f}, std::vector<Rgb>(nodes, Rgb{0.1f, 0.2f, 0.3f}), std::move(azimuths)};
         const auto again = read_model(write_model({bsdf, {}}), "f");
         return again ? std::string() : message(again.error());
@@ -111,7 +111,7 @@ TEST(Bsdf, RefusesBadBeams) {
 /// The density over the sphere integrates to 1 with the chances of beams and of draws without a direction, and draws
 /// follow it.
 TEST(Bsdf, SamplesFollowTheDensity) {
-    const PreparedBsdf bsdf = prepare_bsdf(Model{full_bsdf(), {}}, {.threads = 1});
+    const PreparedBsdf bsdf = prepare_bsdf(Model{lobe_bsdf_with_beams(), {}}, {.threads = 1});
     int test = 0;
     for (const double theta : {10.0, 55.0, 125.0, 165.0}) {
         const Vec3f wv = to_float(spherical(theta * k_degree, 0.7));
@@ -119,7 +119,7 @@ TEST(Bsdf, SamplesFollowTheDensity) {
         const auto next = [&] { return float(uniform(random)); };
         PolarBins bins{{0, 0, 1}, {0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6, 1.8, 1.9, 2}};
         const auto density = [&](Vec3d w) { return double(pdf(bsdf, to_float(w), wv)); };
-        std::vector<double> expected = bins.masses(density, 48), observed(bins.size());
+        std::vector<double> expected = bins.integrals(density, 48), observed(bins.size());
         constexpr int count = 200000;
         int beams = 0, lost = 0;
         double scattered = 0, squares = 0, by_beam = 0;
@@ -156,10 +156,10 @@ TEST(Bsdf, SamplesFollowTheDensity) {
         // Weights are unbiased: the light that arrives, and that of the beams.
         double whole = 0;
         const auto each = [&](Vec3d w) { return double(value(bsdf, to_float(w), wv).r) * std::abs(w.z); };
-        for (const double m : bins.masses(each, 48)) whole += m;
+        for (const double m : bins.integrals(each, 48)) whole += m;
         const double mean = scattered / count, deviation = std::sqrt((squares / count - mean * mean) / count);
         EXPECT_WITHIN(mean, whole, 4 * deviation + 2e-3 * whole);
-        const Beams beam = full_bsdf().beam;
+        const Beams beam = lobe_bsdf_with_beams().beam;
         const Vec3f from = mirror(wv);
         const bool front = theta < 90;
         const double of_beams =
@@ -210,7 +210,7 @@ TEST(Bsdf, ReadsCsvOfBothSides) {
 
 /// A BSDF as MBSDF and as CSV has the values that it had.
 TEST(Bsdf, IsConverted) {
-    BsdfModel bsdf = full_bsdf(4);
+    BsdfModel bsdf = lobe_bsdf_with_beams(4);
     bsdf.part[1].reset(), bsdf.part[3].reset(), bsdf.beam = {};
     const AnyBrdf model = Model{bsdf, {}};
     EXPECT_TRUE(is_two_sided(model));

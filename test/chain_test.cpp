@@ -15,9 +15,9 @@ namespace {
 class Chain : public CommandLine {
   protected:
     void SetUp() override {
-        write(folder / "p.csv",
-              "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n0.6,0,0.8,0,0,1\n0.8,0,0.6,0,0,1\n0.96,0,0.28,0,0,1\n"
-              "0.28,0,0.96,0.6,0,0.8\n0.96,0,0.28,0.28,0,0.96\n0.6,0,0.8,-0.8,0,0.6\n0,0.6,0.8,0.6,0,0.8\n");
+        write_text(folder / "p.csv",
+                   "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n0.6,0,0.8,0,0,1\n0.8,0,0.6,0,0,1\n0.96,0,0.28,0,0,1\n"
+                   "0.28,0,0.96,0.6,0,0.8\n0.96,0,0.28,0.28,0,0.96\n0.6,0,0.8,-0.8,0,0.6\n0,0.6,0.8,0.6,0,0.8\n");
         std::mt19937_64 random(1);
         map_ = random_map(random, {.lobes = 2, .variates = 2}, 1, 2);
         ASSERT_TRUE(write_file(folder / "map.srbf", write_map(map_)).ok());
@@ -27,7 +27,8 @@ class Chain : public CommandLine {
 
 TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
     std::mt19937_64 random(1);
-    BsdfModel two = full_bsdf();  // it has two of four parts, because each file of samples is fitted part by part
+    BsdfModel two =
+        lobe_bsdf_with_beams();  // it has two of four parts, because each file of samples is fitted part by part
     two.part[std::size_t(Part::reflection_back)] = two.part[std::size_t(Part::transmission_back)] = nullptr;
     two.beam = {};  // tables of samples cannot hold beams
     const Model pm{random_model(random, {.lobes = 2, .variates = 2}), {}}, bsdf{two, {}},
@@ -40,7 +41,7 @@ TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
                                       {"spectral.srbf", spectral}})
         ASSERT_TRUE(save_model(model, folder / name).ok());
     const auto done = [&](const Arguments& arguments) {
-        const ProgramRun ended = run(folder, arguments);
+        const ProgramRun ended = run_srbf(folder, arguments);
         EXPECT_EQ(ended.status, 0) << fmt::format("{}", fmt::join(arguments, " ")) << ": " << ended.err;
         return ended.out;
     };
@@ -54,7 +55,7 @@ TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
     for (const char* output : {"both.mbsdf", "both.csv"}) convert("bsdf.srbf", output);
     for (const char* model : {"pm.srbf", "spectral.srbf", "t.binary"}) {
         const std::string output = std::string("eval_") + model + ".csv";
-        write(folder / output, done({"eval", model, "--pairs", "p.csv"}));
+        write_text(folder / output, done({"eval", model, "--pairs", "p.csv"}));
         readable.push_back(output);
     }
     done({"fit", "t.csv", "--model", "ggx", "--objective", "raw", "-o", "fit.srbf"}), readable.push_back("fit.srbf");
@@ -81,19 +82,19 @@ TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
 }
 
 TEST_F(Chain, TexelsOfAMapAreNamedByNumberAndPlace) {
-    const ProgramRun whole = run(folder, {"info", "map.srbf"});
+    const ProgramRun whole = run_srbf(folder, {"info", "map.srbf"});
     EXPECT_EQ(whole.status, 0) << whole.err;
     EXPECT_CONTAINS(whole.out, "1 × 2 texels of 2 shared lobes");
     ASSERT_TRUE(save_model(texel(map_, 1), folder / "m.srbf").ok());
     for (const char* name : {"map.srbf#1", "map.srbf#0,1"})
-        EXPECT_EQ(run(folder, {"eval", name, "--pairs", "p.csv"}).out,
-                  run(folder, {"eval", "m.srbf", "--pairs", "p.csv"}).out);
+        EXPECT_EQ(run_srbf(folder, {"eval", name, "--pairs", "p.csv"}).out,
+                  run_srbf(folder, {"eval", "m.srbf", "--pairs", "p.csv"}).out);
     expect_failure(1, {"info", "map.srbf#2"}, "map.srbf#2: texel: expected 0 to 1, or 0,0 to 0,1, found 2");
     expect_failure(1, {"info", "m.srbf#0"}, "expected a map, of which # names a texel, found a model");
     expect_failure(1, {"eval", "map.srbf", "--pairs", "p.csv"}, "a map of texels, which map.srbf#X,Y names");
     expect_failure(1, {"info", "missing#0"}, "missing: cannot be read");
     std::filesystem::copy(folder / "m.srbf", folder / "m#7");
-    EXPECT_EQ(run(folder, {"info", "m#7"}).status, 0);
+    EXPECT_EQ(run_srbf(folder, {"info", "m#7"}).status, 0);
 }
 
 /// A million pairs take the memory of a thousand.
@@ -105,7 +106,7 @@ TEST_F(Chain, EvalTakesConstantMemory) {
             for (std::size_t i = 0; i < pairs; ++i) csv << "0.6,0,0.8,0,0,1\n";
         }
         const pid_t process =
-            start(folder, {"eval", "map.srbf#0", "--pairs", "many.csv"}, folder / "out", folder / "err");
+            start_srbf(folder, {"eval", "map.srbf#0", "--pairs", "many.csv"}, folder / "out", folder / "err");
         int status = 0;
         rusage usage{};
         EXPECT_EQ(::wait4(process, &status, 0, &usage), process);
@@ -123,23 +124,23 @@ TEST_F(Chain, EvalTakesConstantMemory) {
 TEST_F(Chain, EvalReadsLinesOfAnyKind) {
     const std::string header = "name,wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", row = "0,0,1,0,0,1";
     const auto eval = [&](const std::string& csv) {
-        write(folder / "q.csv", csv);
-        return run(folder, {"eval", "map.srbf#0", "--pairs", "q.csv"});
+        write_text(folder / "q.csv", csv);
+        return run_srbf(folder, {"eval", "map.srbf#0", "--pairs", "q.csv"});
     };
     const std::string plain = eval(header + "\nx," + row + "\n").out;
     EXPECT_EQ(std::ranges::count(plain, '\n'), 2);
     EXPECT_EQ(eval("\xef\xbb\xbf" + header + "\r\n\r\n\"x, y\"," + row).out, plain);
     EXPECT_EQ(eval(header + "\n").out, plain.substr(0, plain.find('\n') + 1));
     const std::string name(1'100'000, 'x');
-    write(folder / "q.csv", header + "\n" + name + "," + row + "\n");
+    write_text(folder / "q.csv", header + "\n" + name + "," + row + "\n");
     expect_failure(1, {"eval", "map.srbf#0", "--pairs", "q.csv"}, "line 2: length: expected less than 1048576 bytes");
     // Blocks end anywhere within lines.
     std::string many = header + "\n";
     for (int i = 0; i < 60'000; ++i) many += std::string(std::size_t(i % 50), 'n') + "," + row + "\n";
     const std::string all = eval(many).out;
     EXPECT_EQ(std::ranges::count(all, '\n'), 60'001);
-    write(folder / "q.csv", many + "x,0,0,2,0,0,1\n");
-    EXPECT_CONTAINS(run(folder, {"eval", "map.srbf#0", "--pairs", "q.csv"}).err, "line 60002: direction wl");
+    write_text(folder / "q.csv", many + "x,0,0,2,0,0,1\n");
+    EXPECT_CONTAINS(run_srbf(folder, {"eval", "map.srbf#0", "--pairs", "q.csv"}).err, "line 60002: direction wl");
 }
 
 }  // namespace

@@ -30,9 +30,9 @@ class Command : public CommandLine {
 
     /// The text that `export` writes for the surface `s.srbf`.
     std::string exported(const std::string& kind) {
-        const ProgramRun result = run(folder, {"export", "s.srbf", "--to", kind, "-o", "o"});
+        const ProgramRun result = run_srbf(folder, {"export", "s.srbf", "--to", kind, "-o", "o"});
         EXPECT_EQ(result.status, 0) << result.err;
-        return contents(folder / "o");
+        return read_text(folder / "o");
     }
 
     /// Converts a measurement, samples or a model, and expects a file of the given format.
@@ -40,7 +40,7 @@ class Command : public CommandLine {
         Arguments convert{"convert", input, "-o", output};
         if (!output.ends_with(".csv")) convert = convert + Arguments{"--threads", "1"};
         if (output.ends_with(".csv") && !input.ends_with(".csv")) convert = convert + Arguments{"--directions", "9"};
-        const ProgramRun result = run(folder, convert);
+        const ProgramRun result = run_srbf(folder, convert);
         ASSERT_EQ(result.status, 0) << result.err;
         EXPECT_EQ(result.out, "");
         const auto measured = load_measured(folder / output);
@@ -55,12 +55,12 @@ TEST_F(Command, ExportWritesAPageOrNothing) {
     SKIP_UNDER_SANITIZERS("takes too long");
     if (!is_offered({"html"})) GTEST_SKIP() << "without pages";
     const Arguments page{"export", *fitted / "m.srbf", "--to", "html"};
-    const ProgramRun alone = run(folder, page + Arguments{"-o", "alone.html"});
+    const ProgramRun alone = run_srbf(folder, page + Arguments{"-o", "alone.html"});
     EXPECT_EQ(alone.status, 0) << alone.err;
     EXPECT_EQ(alone.err + alone.out, "");
-    const ProgramRun both = run(folder, page + Arguments{"--reference", k_paper, "-o", "both.html"});
+    const ProgramRun both = run_srbf(folder, page + Arguments{"--reference", k_paper, "-o", "both.html"});
     EXPECT_EQ(both.status, 0) << both.err;
-    const std::string html = contents(folder / "both.html");
+    const std::string html = read_text(folder / "both.html");
     EXPECT_CONTAINS(html, "<title>paper_white_rgb</title>");
     // The page shows the errors that `srbf compare` reports as held out.
     const auto measured = load_measured(k_paper);
@@ -72,9 +72,9 @@ TEST_F(Command, ExportWritesAPageOrNothing) {
             .squared_error_ratio_cosine;
     EXPECT_CONTAINS(html, fmt::format("<td>{:.3g} %</td>", 100 * error));
     EXPECT_LT(html.size(), 3'000'000u);
-    EXPECT_LT(contents(folder / "alone.html").size(), html.size());
+    EXPECT_LT(read_text(folder / "alone.html").size(), html.size());
 
-    write(folder / "broken.srbf", contents(*fitted / "m.srbf").substr(0, 300));
+    write_text(folder / "broken.srbf", read_text(*fitted / "m.srbf").substr(0, 300));
     const Arguments start{"export", *fitted / "m.srbf"}, to{"--to", "html", "-o", "x.html"};
     expect_failure(1, start + Arguments{"missing.srbf"} + to, "missing.srbf");
     expect_failure(1, start + Arguments{"broken.srbf"} + to, "broken.srbf");
@@ -96,18 +96,18 @@ TEST_F(Command, ExportWritesCodeOrNothing) {
     const Arguments start{"export", *fitted / "m.srbf", *fitted / "m.srbf"};
     for (const char* language : {"glsl", "hlsl", "wgsl", "msl", "c"}) {
         const Arguments to{"--to", language, "-o", std::string("two.") + language};
-        const ProgramRun result = run(folder, start + to);
+        const ProgramRun result = run_srbf(folder, start + to);
         EXPECT_EQ(result.status, 0) << result.err;
         EXPECT_EQ(result.err + result.out, "");
-        const std::string text = contents(folder / (std::string("two.") + language));
+        const std::string text = read_text(folder / (std::string("two.") + language));
         for (const char* name : {"m_brdf(", "m_2_brdf(", "two_pm_", "source paper_white_rgb.bsdf"})
             EXPECT_CONTAINS(text, name) << language;
     }
     const Arguments to{"--to", "c", "-o", "x.h"};
-    const ProgramRun with_features = run(folder, start + to + Arguments{"--with", "sampling", "--with", "albedo"});
+    const ProgramRun with_features = run_srbf(folder, start + to + Arguments{"--with", "sampling", "--with", "albedo"});
     EXPECT_EQ(with_features.status, 0) << with_features.err;
     for (const char* name : {"m_sample(", "m_albedo(", "m_2_sample(", "m_2_albedo("})
-        EXPECT_CONTAINS(contents(folder / "x.h"), name);
+        EXPECT_CONTAINS(read_text(folder / "x.h"), name);
     std::filesystem::remove(folder / "x.h");
     expect_failure(1, Arguments{"export", k_paper} + to, "expected a model, found a measurement");
     expect_failure(1, start + Arguments{"--to", "c", "-o", "missing/x.h"}, "missing");
@@ -120,26 +120,28 @@ TEST_F(Command, ExportWritesAMapOrNothing) {
     SKIP_UNDER_SANITIZERS("takes too long");
     std::mt19937_64 random(2);
     const auto save = [&](const TexelMap& map, const std::string& name) {
-        write(folder / name, text_of(write_map(map)));
+        write_text(folder / name, as_text(write_map(map)));
     };
     const TexelMap map = random_map(random, {.lobes = 3}, 4, 2);
     save(map, "map.srbf");
     for (const char* kind : {"glsl", "hlsl", "wgsl", "msl", "c", "ktx2", "exr", "three"}) {
         if (!is_offered({kind})) continue;
-        const ProgramRun result = run(folder, {"export", "map.srbf", "--to", kind, "-o", std::string("o.") + kind});
+        const ProgramRun result =
+            run_srbf(folder, {"export", "map.srbf", "--to", kind, "-o", std::string("o.") + kind});
         EXPECT_EQ(result.status, 0) << result.err;
         EXPECT_EQ(result.err + result.out, "");
     }
-    EXPECT_CONTAINS(contents(folder / "o.glsl"), "vec3 map_brdf(vec3 wl, vec3 wv, map_Coefficients ");
+    EXPECT_CONTAINS(read_text(folder / "o.glsl"), "vec3 map_brdf(vec3 wl, vec3 wv, map_Coefficients ");
     if (is_offered({"three"})) {
-        EXPECT_CONTAINS(contents(folder / "o.three"), "new URL('./map.ktx2', import.meta.url)");
-        EXPECT_EQ(contents(folder / "map.ktx2"), contents(folder / "o.ktx2"));
+        EXPECT_CONTAINS(read_text(folder / "o.three"), "new URL('./map.ktx2', import.meta.url)");
+        EXPECT_EQ(read_text(folder / "map.ktx2"), read_text(folder / "o.ktx2"));
     }
     const Arguments code{"--to", "c", "-o", "x.h"}, layers{"--to", "ktx2", "-o", "x.ktx2"}, start{"export", "map.srbf"};
     for (const char* numbers : {"half", "byte"})
-        EXPECT_EQ(run(folder, start + Arguments{"--to", "ktx2", "--coefficients", numbers, "-o", numbers}).status, 0);
-    EXPECT_EQ(contents(folder / "half"), contents(folder / "o.ktx2"));
-    EXPECT_LT(contents(folder / "byte").size(), contents(folder / "half").size());
+        EXPECT_EQ(run_srbf(folder, start + Arguments{"--to", "ktx2", "--coefficients", numbers, "-o", numbers}).status,
+                  0);
+    EXPECT_EQ(read_text(folder / "half"), read_text(folder / "o.ktx2"));
+    EXPECT_LT(read_text(folder / "byte").size(), read_text(folder / "half").size());
     expect_failure(2, start + layers + Arguments{"--coefficients", "none"}, "--coefficients");
     expect_failure(2, start + code + Arguments{"--coefficients", "byte"}, "--coefficients");
     if (is_offered({"three"}))
@@ -158,14 +160,14 @@ TEST_F(Command, ExportWritesAMapOrNothing) {
     save(random_map(random, {.lobes = 1}, k_longest_side + 1, 1), "list.srbf");
     for (const Arguments& to : {code, layers})
         expect_failure(1, Arguments{"export", "list.srbf"} + to, "expected at most 16384 (srbf map --width)");
-    write(folder / "broken.srbf", contents(folder / "map.srbf").substr(0, 500));
+    write_text(folder / "broken.srbf", read_text(folder / "map.srbf").substr(0, 500));
     expect_failure(1, Arguments{"export", "broken.srbf"} + layers, "broken.srbf");
 }
 
 TEST_F(Command, InfoGivesOneWavelengthNoColour) {
-    write(folder / "laser.csv",
-          "theta_l_deg,theta_v_deg,phi_v_deg,532nm\n10,10,180,0.5\n10,40,180,0.2\n40,40,180,0.6\n");
-    const ProgramRun result = run(folder, {"info", "laser.csv"});
+    write_text(folder / "laser.csv",
+               "theta_l_deg,theta_v_deg,phi_v_deg,532nm\n10,10,180,0.5\n10,40,180,0.2\n40,40,180,0.6\n");
+    const ProgramRun result = run_srbf(folder, {"info", "laser.csv"});
     EXPECT_EQ(result.status, 0) << result.err;
     EXPECT_CONTAINS(result.out, "value [1/sr]      0.2 to 0.6");
     EXPECT_CONTAINS(result.out, "  albedo ");
@@ -173,7 +175,7 @@ TEST_F(Command, InfoGivesOneWavelengthNoColour) {
 }
 
 TEST_F(Command, InfoDescribesFiles) {
-    const ProgramRun measured = run(*fitted, {"info", k_paper}), model = run(*fitted, {"info", "m.srbf"});
+    const ProgramRun measured = run_srbf(*fitted, {"info", k_paper}), model = run_srbf(*fitted, {"info", "m.srbf"});
     EXPECT_EQ(measured.status + model.status, 0) << measured.err << model.err;
     for (const char* word :
          {"RGL", "658,928 bytes", "masked entries", "albedo R", "  peak ", "reciprocity error", "smallest value"})
@@ -190,7 +192,7 @@ TEST_F(Command, InfoWarnsOfAlbedosAboveOne) {
     model.coefficient = {{0.1f, 0.4f, 0.2f}};
     model.log_scale = {0}, model.centre = {{0, 0, 1}}, model.bandwidth = {0}, model.parameterization = {{1, 1}};
     ASSERT_TRUE(save_model({model, {}}, folder / "bright.srbf").ok());
-    const ProgramRun info = run(folder, {"info", "bright.srbf"});
+    const ProgramRun info = run_srbf(folder, {"info", "bright.srbf"});
     EXPECT_EQ(info.status, 0) << info.err;
     for (const char* word : {"1.256", "warning", "more light than it receives at θv = 0°, 15°", "reciprocity error 0 %",
                              "smallest value    0.09998 1/sr"})
@@ -201,13 +203,13 @@ TEST_F(Command, EvalKeepsOrderAndTextOfRows) {
     const auto model = load_model(*fitted / "m.srbf");
     ASSERT_TRUE(model);
     // Columns in another order, additional columns, quotes, a byte-order mark, CRLF, and no newline at the end.
-    write(folder / "pairs.csv",
-          "\xef\xbb\xbfnote,\"wv_z\",wv_y,wv_x, wl_x ,wl_y,wl_z,r\r\n"
-          "\"a, b\",1.0,0,0.000,6e-1,+0,0.8,x\r\n"
-          "\r\n"
-          ",\"0.8\",-.6,0,0,0,1,\r\n"
-          "below,1,0,0,0.6,0,-0.8,7");
-    const ProgramRun eval = run(folder, {"eval", *fitted / "m.srbf", "--pairs", "pairs.csv"});
+    write_text(folder / "pairs.csv",
+               "\xef\xbb\xbfnote,\"wv_z\",wv_y,wv_x, wl_x ,wl_y,wl_z,r\r\n"
+               "\"a, b\",1.0,0,0.000,6e-1,+0,0.8,x\r\n"
+               "\r\n"
+               ",\"0.8\",-.6,0,0,0,1,\r\n"
+               "below,1,0,0,0.6,0,-0.8,7");
+    const ProgramRun eval = run_srbf(folder, {"eval", *fitted / "m.srbf", "--pairs", "pairs.csv"});
     ASSERT_EQ(eval.status, 0) << eval.err;
     const auto row = [&](const char* text, Vec3f wl, Vec3f wv) {
         Rgb f;
@@ -229,7 +231,7 @@ TEST_F(Command, EvalNamesTheLineAtFault) {
                                                        {header + "0,0,1,0,0,1e999\n", "line 2: column wv_z"},
                                                        {header + "0,0,1,0,0.2,1\n", "line 2: direction wv"}};
     for (const auto& [csv, message_part] : bad) {
-        write(folder / "pairs.csv", csv);
+        write_text(folder / "pairs.csv", csv);
         expect_failure(1, {"eval", *fitted / "m.srbf", "--pairs", "pairs.csv"}, message_part);
     }
     expect_failure(1, {"eval", *fitted / "m.srbf", "--pairs", "none.csv"}, "none.csv");
@@ -239,23 +241,23 @@ TEST_F(Command, HelpShowsAnExample) {
     for (const Arguments& subcommand :
          {Arguments{}, {"fit"}, {"info"}, {"eval"}, {"compare"}, {"convert"}, {"render"}, {"completion"}}) {
         if (!is_offered(subcommand)) continue;
-        const ProgramRun help = run(folder, subcommand + Arguments{"--help"});
+        const ProgramRun help = run_srbf(folder, subcommand + Arguments{"--help"});
         EXPECT_EQ(help.status, 0);
         EXPECT_EQ(help.err, "");
         EXPECT_CONTAINS(help.out, "Example");
         EXPECT_CONTAINS(help.out, "\n  srbf ");
     }
-    const ProgramRun version = run(folder, {"--version"});
+    const ProgramRun version = run_srbf(folder, {"--version"});
     EXPECT_EQ(version.status, 0);
     EXPECT_TRUE(version.out.starts_with("srbf 0.")) << version.out;
 }
 
 TEST_F(Command, CompletionsAndTheManualAgreeWithHelp) {
-    const ProgramRun manual = run(folder, {"--help-all"}), bash = run(folder, {"completion", "bash"});
+    const ProgramRun manual = run_srbf(folder, {"--help-all"}), bash = run_srbf(folder, {"completion", "bash"});
     ASSERT_EQ(manual.status + bash.status, 0) << manual.err << bash.err;
     const std::regex option("  (-[a-z-]+)[ ,{]");
     for (const auto& [sub, options_of_sub] : long_options(folder)) {
-        const std::string help = run(folder, {sub, "--help"}).out;
+        const std::string help = run_srbf(folder, {sub, "--help"}).out;
         // help2man turns this line into a section. "Options:" would become the section of the program's own options.
         const auto section = manual.out.find(fmt::format("\n*srbf {}*\n\n", sub));
         ASSERT_NE(section, std::string::npos) << sub;
@@ -269,16 +271,16 @@ TEST_F(Command, CompletionsAndTheManualAgreeWithHelp) {
         EXPECT_GE(options, 1u) << help;
     }
     for (const char* shell : {"zsh", "fish"}) {
-        const ProgramRun completion = run(folder, {"completion", shell});
+        const ProgramRun completion = run_srbf(folder, {"completion", shell});
         EXPECT_EQ(completion.status, 0);
         EXPECT_CONTAINS(completion.out, "max-memory") << shell;
     }
     expect_failure(2, {"completion", "csh"}, "found csh");
 
     // The completions that bash offers.
-    write(folder / "completion", bash.out);
-    write(folder / "ask",
-          "source ./completion; COMP_WORDS=(\"$@\"); COMP_CWORD=$(($# - 1)); _srbf; echo \"${COMPREPLY[@]}\"");
+    write_text(folder / "completion", bash.out);
+    write_text(folder / "ask",
+               "source ./completion; COMP_WORDS=(\"$@\"); COMP_CWORD=$(($# - 1)); _srbf; echo \"${COMPREPLY[@]}\"");
     const auto offered = [&](const std::string& words) {
         FILE* pipe = popen(fmt::format("cd {} && bash ask {} 2>&1", folder.path.string(), words).c_str(), "r");
         std::string text(200, '\0');
@@ -301,12 +303,12 @@ TEST_F(Command, ConvertCopiesAndConverts) {
     SKIP_UNDER_SANITIZERS("takes too long");
     // A file already in that format is copied byte for byte.
     const std::string merl = small_merl();
-    write(folder / "m.binary", merl);
-    write(folder / "s.csv", std::string(k_small_csv));
-    ASSERT_EQ(run(folder, {"convert", "m.binary", "-o", "copy.binary"}).status, 0);
-    EXPECT_EQ(contents(folder / "copy.binary"), merl);
-    ASSERT_EQ(run(folder, {"convert", k_paper, "-o", "paper.bsdf"}).status, 0);
-    EXPECT_EQ(contents(folder / "paper.bsdf"), contents(k_paper));
+    write_text(folder / "m.binary", merl);
+    write_text(folder / "s.csv", std::string(k_small_csv));
+    ASSERT_EQ(run_srbf(folder, {"convert", "m.binary", "-o", "copy.binary"}).status, 0);
+    EXPECT_EQ(read_text(folder / "copy.binary"), merl);
+    ASSERT_EQ(run_srbf(folder, {"convert", k_paper, "-o", "paper.bsdf"}).status, 0);
+    EXPECT_EQ(read_text(folder / "paper.bsdf"), read_text(k_paper));
     expect_converted(k_paper, "o.bsdf", "RGL");
     expect_converted(k_paper, "o.csv", "CSV");
     expect_converted("s.csv", "o.bsdf", "RGL");
@@ -329,17 +331,17 @@ TEST_F(Command, SurfacesAreExportedForOtherPrograms) {
 
     // The script does not change variables of the script that runs it. A replacement for Blender's module records
     // the requests.
-    write(folder / "s.py", script);
-    write(folder / "bpy.py",
-          "from collections import defaultdict\nfrom types import SimpleNamespace as Object\n"
-          "node, made = Object(type='BSDF_PRINCIPLED', inputs=defaultdict(Object)), []\n"
-          "data = Object(materials=Object(new=lambda name: made.append(name) or "
-          "Object(node_tree=Object(nodes=[node]))))\n");
-    write(folder / "caller.py",
-          "import bpy as module\nsys = bpy = node = name = value = material = 'own'\n"
-          "exec(open('s.py').read())\n"
-          "assert {sys, bpy, node, name, value, material} == {'own'}\n"
-          "assert module.made == ['s'] and module.node.inputs['Thin Film Thickness'].default_value == 250\n");
+    write_text(folder / "s.py", script);
+    write_text(folder / "bpy.py",
+               "from collections import defaultdict\nfrom types import SimpleNamespace as Object\n"
+               "node, made = Object(type='BSDF_PRINCIPLED', inputs=defaultdict(Object)), []\n"
+               "data = Object(materials=Object(new=lambda name: made.append(name) or "
+               "Object(node_tree=Object(nodes=[node]))))\n");
+    write_text(folder / "caller.py",
+               "import bpy as module\nsys = bpy = node = name = value = material = 'own'\n"
+               "exec(open('s.py').read())\n"
+               "assert {sys, bpy, node, name, value, material} == {'own'}\n"
+               "assert module.made == ['s'] and module.node.inputs['Thin Film Thickness'].default_value == 250\n");
     if (std::system("python3 -c '' > /dev/null 2>&1") == 0) {
         EXPECT_EQ(std::system(fmt::format("cd '{}' && python3 -B caller.py", folder.path.string()).c_str()), 0);
     }
@@ -402,22 +404,22 @@ TEST_F(Command, AnisotropicSurfacesAreExportedForOtherPrograms) {
 /// A file with transmission is read as a BSDF, and copied unchanged.
 TEST_F(Command, MbsdfFilesAreReadWithTheirTransmission) {
     SKIP_UNDER_SANITIZERS("takes too long");
-    write(folder / "t.mbsdf", text_of(grey_mbsdf()));
-    write(folder / "r.mbsdf", text_of(small_mbsdf()));
+    write_text(folder / "t.mbsdf", as_text(grey_mbsdf()));
+    write_text(folder / "r.mbsdf", as_text(small_mbsdf()));
     for (const Arguments& output : {Arguments{"o.csv", "--directions", "3"}, {"copy.mbsdf"}}) {
-        const ProgramRun result = run(folder, Arguments{"convert", "t.mbsdf", "-o"} + output);
+        const ProgramRun result = run_srbf(folder, Arguments{"convert", "t.mbsdf", "-o"} + output);
         EXPECT_EQ(result.status, 0);
         EXPECT_EQ(result.err, "");
     }
-    EXPECT_EQ(contents(folder / "copy.mbsdf"), text_of(grey_mbsdf()));
-    const ProgramRun with = run(folder, {"info", "t.mbsdf"}), without = run(folder, {"info", "r.mbsdf"});
+    EXPECT_EQ(read_text(folder / "copy.mbsdf"), as_text(grey_mbsdf()));
+    const ProgramRun with = run_srbf(folder, {"info", "t.mbsdf"}), without = run_srbf(folder, {"info", "r.mbsdf"});
     EXPECT_EQ(with.err, "");
     EXPECT_CONTAINS(with.out, "transmission_front\n");
     EXPECT_CONTAINS(with.out, "dimensions        2 θl × 2 θv × 3 φ, grey\n");
     EXPECT_EQ(without.err, "");
     EXPECT_CONTAINS(without.out, "material          blue \"paint\"\n");
     // Anisotropic measurements are rejected.
-    write(folder / "a.bsdf", text_of(tensor_file(anisotropic_rgl())));
+    write_text(folder / "a.bsdf", as_text(tensor_file(anisotropic_rgl())));
     expect_failure(1, {"convert", "a.bsdf", "-o", "a.mbsdf"},
                    "an isotropic BRDF, as MBSDF tables are, found an anisotropic one");
 }

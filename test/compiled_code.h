@@ -32,7 +32,7 @@ class WrittenCode : public testing::Test {
     std::string path(const std::string& name) const { return (folder_ / name).string(); }
     /// The path of a new file.
     std::string written(const std::string& name, const std::string& text) const {
-        write(folder_ / name, text);
+        write_text(folder_ / name, text);
         return path(name);
     }
 

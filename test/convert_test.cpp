@@ -17,9 +17,7 @@
 namespace srbf::convert_test {
 namespace {
 
-const std::vector<std::string> k_bundled{"paper_white", "cc_ibiza_sunset"};
-
-Measured bundled(const std::string& name) { return *load_measured((bundled_data() / (name + "_rgb.bsdf")).string()); }
+const std::vector<std::string> k_bundled{"paper_white_rgb", "cc_ibiza_sunset_rgb"};
 
 /// A highlight a few degrees wide over a diffuse base.
 PmModel glossy() {
@@ -74,7 +72,7 @@ TEST(Convert, RglTablesApproximateTheirBrdf) {
     const PmModel model = glossy();
     EXPECT_LT(error_ratio(evaluator(model), evaluator(to_rgl(evaluator(model)))), 2e-3);
     for (const auto& name : k_bundled) {
-        const Measured measured = bundled(name);
+        const Measured& measured = bundled(name);
         const RglTable table = to_rgl(signed_evaluator(measured));
         EXPECT_LT(error_ratio(evaluator(measured), evaluator(table)), 1e-3) << name;
     }
@@ -116,7 +114,7 @@ TEST(Convert, MbsdfTablesApproximateTheirBrdf) {
     EXPECT_EQ(table.cells[0].g, 7.2f);  // both directions along the normal
     EXPECT_FALSE(table.grey);
     for (const auto& name : k_bundled) {
-        const Measured measured = bundled(name);
+        const Measured& measured = bundled(name);
         const Measured converted{"", "", 0, to_mbsdf(signed_evaluator(measured))};
         EXPECT_LT(error_ratio(evaluator(measured), evaluator(converted)), name == "paper_white" ? 1e-5 : 1e-3) << name;
         // f(wl, wv) and f(wv, wl) are not confused.
@@ -293,7 +291,7 @@ TEST(Convert, ReflectanceSpectraHaveTheirColour) {
 }
 
 TEST(Convert, WarpUndoesUnwarp) {
-    const Measured measured = bundled("cc_ibiza_sunset");
+    const Measured& measured = bundled("cc_ibiza_sunset_rgb");
     const auto& table = std::get<RglTable>(measured.table);
     std::mt19937_64 random(4);
     for (std::size_t slice = 0; slice + 1 < table.theta_l.size(); ++slice)
@@ -352,7 +350,7 @@ SamplingQuality sampling_quality(const RglTable& table, const Evaluate& brdf) {
 
 TEST(Convert, RglFilesAreSampledWell) {
     for (const auto& name : k_bundled) {
-        const Measured measured = bundled(name);
+        const Measured& measured = bundled(name);
         const RglTable table = to_rgl(signed_evaluator(measured));
         const auto quality = sampling_quality(table, evaluator(measured));
         EXPECT_LT(quality.variance, 0.05) << name;

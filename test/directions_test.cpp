@@ -61,7 +61,8 @@ TEST(MirrorMixture, DensityIntegratesToOneOverTheSphere) {
         for (const double view : k_views) {
             const Vec3d wv = spherical(view, 2.0);
             double sum = 0;
-            for (const double m : bins_about(mirror(wv)).masses([&](Vec3d w) { return mixture.pdf(w, wv); })) sum += m;
+            for (const double m : bins_about(mirror(wv)).integrals([&](Vec3d w) { return mixture.pdf(w, wv); }))
+                sum += m;
             EXPECT_WITHIN(sum, 1, 2e-3) << theta_max << ' ' << view;
         }
     }

@@ -5,9 +5,9 @@
 
 #include <map>
 
-#include "coat_walk.h"
 #include "edit/lobes.h"
 #include "errors/picture_errors.h"
+#include "microsurface_walk.h"
 #include "models.h"
 #include "observe/albedo_bound.h"
 #include "srbf/kernel.h"
@@ -227,9 +227,10 @@ TEST(Edit, CoatsLookLikeWalksBetweenTheirLayers) {
     for (const auto& [material, roughness] : {std::pair(std::size_t(0), 0.1), {1, 0.1}, {1, 0.3}}) {
         const GgxModel& base = k_materials[material].truth;
         const Coat coat{roughness, 1.5, {1, 1, 1}};
-        const WalkedCoat walked(CoatWalk(base, roughness, coat.ior), coated(evaluator(base), coat), k_paths);
+        const SimulatedCoat simulated(MicrosurfaceWalk(base, roughness, coat.ior), coated(evaluator(base), coat),
+                                      k_paths);
         const Evaluate truth = [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-            for (std::size_t i = 0; i < f.size(); ++i) f[i] = walked.value(wl[i], wv[i]);
+            for (std::size_t i = 0; i < f.size(); ++i) f[i] = simulated.value(wl[i], wv[i]);
         };
         const Model fit = k_materials[material].fit();
         const double error = visible_error(truth, evaluator(coated_fit(material, roughness)));

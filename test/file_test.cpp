@@ -22,7 +22,7 @@ class File : public testing::Test {
     const fs::path folder_ = temporary_.path;
 };
 
-std::string text(const std::string& path) {
+std::string read_back(const std::string& path) {
     const auto bytes = read_file(path);
     EXPECT_TRUE(bytes.ok());
     return bytes ? std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()) : "";
@@ -53,7 +53,7 @@ TEST_F(File, ReadsAPipe) {
     ASSERT_EQ(::pipe(ends), 0);
     ASSERT_EQ(::write(ends[1], "through", 7), 7);
     ::close(ends[1]);
-    EXPECT_EQ(text("/dev/fd/" + std::to_string(ends[0])), "through");
+    EXPECT_EQ(read_back("/dev/fd/" + std::to_string(ends[0])), "through");
     ::close(ends[0]);
 }
 
@@ -74,7 +74,7 @@ TEST_F(File, UnwritableIsAnErrorAndLeavesNothing) {
         ASSERT_FALSE(done.ok()) << p;
         expect_error(done.error(), p);
     }
-    EXPECT_EQ(text(path("a")), "old");
+    EXPECT_EQ(read_back(path("a")), "old");
     EXPECT_EQ(files(), 2u);
 }
 
@@ -94,7 +94,7 @@ TEST_F(File, KeepsPermissionsAndLinks) {
     fs::create_symlink("a", path("link"));
     ASSERT_TRUE(write_file(path("link"), as_bytes("new")).ok());
     EXPECT_TRUE(fs::is_symlink(path("link")));
-    EXPECT_EQ(text(path("a")), "new");
+    EXPECT_EQ(read_back(path("a")), "new");
     EXPECT_EQ(fs::status(path("a")).permissions(), fs::perms::owner_read | fs::perms::owner_write);
 }
 

@@ -86,7 +86,7 @@ void expect_good(const std::array<Evaluate, k_parts>& parts, bool sides_are_alik
     }
     EXPECT_WITHIN(fitted->most_fitted, fitted->most_measured, 0.01);
     EXPECT_LE(fitted->most_fitted, 1.01);
-    EXPECT_GT(expect_furnace(fitted->model), 0.1);
+    EXPECT_GT(expect_energy_conserved(fitted->model), 0.1);
 }
 
 TEST(FitBsdf, KeepsTheAlbedosOfARoughSlab) { expect_good(rough_slab(), true); }

@@ -8,6 +8,7 @@
 #include "brdf/directions.h"
 #include "brdf/values.h"
 #include "errors/picture_errors.h"
+#include "measured_files.h"
 #include "models.h"
 #include "models/ggx/ggx_kind.h"
 #include "models/pm/pm_functions.h"
@@ -21,13 +22,6 @@
 
 namespace srbf::fit_pm_test {
 namespace {
-
-const Measured& bundled(const char* name) {
-    static std::map<std::string, Measured> loaded;
-    if (!loaded.contains(name))
-        loaded[name] = *load_measured((bundled_data() / (std::string(name) + ".bsdf")).string());
-    return loaded[name];
-}
 
 Observations observed(const Evaluate& f, Objective objective = Objective::raw) { return *observe(f, {objective, 0}); }
 

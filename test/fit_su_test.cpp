@@ -6,6 +6,7 @@
 #include "brdf/values.h"
 #include "errors/measures.h"
 #include "errors/picture_errors.h"
+#include "measured_files.h"
 #include "models/su/fit_su.h"
 #include "models/su/su_functions.h"
 #include "srbf/measured.h"
@@ -18,12 +19,6 @@ namespace {
 
 constexpr double k_cap = 80 * k_degree;
 const SuFitOptions k_raw{.lobes = 4, .objective = Objective::raw};
-
-const Measured& bundled(const std::string& name) {
-    static std::map<std::string, Measured> files;
-    if (!files.contains(name)) files.emplace(name, *load_measured(bundled_data() / (name + ".bsdf")));
-    return files.at(name);
-}
 
 /// The raw matrix of a bundled measurement, by default with 384 directions.
 RawMatrix matrix_of(const std::string& name, int directions = 384) {

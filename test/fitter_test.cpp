@@ -15,8 +15,6 @@
 namespace srbf::fitter_test {
 namespace {
 
-Measured bundled(const std::string& name) { return *load_measured((bundled_data() / (name + ".bsdf")).string()); }
-
 FitRequest pm(PmSize size, int variates = 2, Objective objective = Objective::raw) {
     PmRequest pm;
     pm.size = size, pm.variates = variates, pm.effort = 0.1;
@@ -86,7 +84,7 @@ TEST_P(DefaultFit, StaysWithinItsRecordedErrorsOfAlbedo) {
 }
 
 TEST_P(DefaultFit, IsBoundedToTheHorizon) {
-    const Measured measured = bundled(GetParam().name);
+    const Measured& measured = bundled(GetParam().name);
     // f cosθl cosθv exceeds the largest measured value by at most a factor everywhere, including close to the horizon.
     const auto largest = [](const auto& brdf, double most, double step, double azimuth) {
         float peak = 0;
@@ -114,7 +112,7 @@ TEST_P(DefaultFit, IsBoundedToTheHorizon) {
 }
 
 TEST_P(DefaultFit, ReflectsTheMeasuredLightAtGrazingAngles) {
-    const Measured measured = bundled(GetParam().name);
+    const Measured& measured = bundled(GetParam().name);
     for (const double cosine : {1.0, 0.5, 0.1, 0.03, 0.01, 0.002}) {
         const double theta = std::acos(cosine);
         const Rgb expected = albedo(reciprocal_mean(evaluator(measured)), theta, k_pi / 2),
@@ -133,7 +131,7 @@ INSTANTIATE_TEST_SUITE_P(Bundled, DefaultFit,
 
 /// The film with more lobes, and view by view.
 TEST(Fitter, LargerModelsStayWithinTheirRecordedErrors) {
-    const Measured measured = bundled("cc_ibiza_sunset_rgb");
+    const Measured& measured = bundled("cc_ibiza_sunset_rgb");
     const struct {
         FitRequest request;
         std::size_t bytes;
@@ -153,7 +151,7 @@ TEST(Fitter, LargerModelsStayWithinTheirRecordedErrors) {
 // ---- A call and its stages ----
 
 TEST(Fitter, EqualsItsStagesCalledSeparately) {
-    const Measured measured = bundled("paper_white_rgb");
+    const Measured& measured = bundled("paper_white_rgb");
     const FitRequest request = pm(LobeCount{1});
     const auto at_once = fit(measured, request);
     ASSERT_TRUE(at_once);
@@ -242,7 +240,7 @@ TEST(Fitter, ProgressNeverDecreasesAndCancelsInEveryStage) {
 }
 
 TEST(Fitter, ATokenCancelsFromAnotherThread) {
-    const Measured table = bundled("paper_white_rgb");
+    const Measured& table = bundled("paper_white_rgb");
     const ProgressToken token([](const Progress&) { return true; });
     std::thread other([&] { token.cancel(); });
     const auto outcome = fit(table, pm(LobeCount{64}, 8), token);
@@ -268,7 +266,7 @@ TEST(Progress, PartsCountWithinTheWhole) {
 // ---- Errors ----
 
 TEST(Fitter, ReachesItsTargetDeltaE) {
-    const Measured paper = bundled("paper_white_rgb");
+    const Measured& paper = bundled("paper_white_rgb");
     std::size_t bytes = 0;
     for (const double delta_e : {6.0, 4.0}) {
         const auto outcome = fit(paper, pm(AutomaticLobes{delta_e}));
@@ -286,7 +284,7 @@ TEST(Fitter, ReachesItsTargetDeltaE) {
 }
 
 TEST(Fitter, RefusesInvalidRequests) {
-    const Measured table = bundled("paper_white_rgb");
+    const Measured& table = bundled("paper_white_rgb");
     const auto code = [&](FitRequest request) {
         const auto outcome = fit(table, request);
         return outcome ? "fitted" : std::string(name(outcome.error().code));

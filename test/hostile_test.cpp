@@ -37,12 +37,12 @@ std::string model_with_header(std::size_t length, const std::string& header) {
 /// The peak memory of a run of the program [bytes].
 std::int64_t peak_memory(const TemporaryFolder& folder, const Arguments& arguments) {
     const TemporaryFolder captured;
-    const pid_t process = start(folder, arguments, captured / "out", captured / "err");
+    const pid_t process = start_srbf(folder, arguments, captured / "out", captured / "err");
     int status = 0;
     rusage usage{};
     EXPECT_EQ(::wait4(process, &status, 0, &usage), process);
     EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) <= 1);
-    const std::string err = contents(captured / "err");
+    const std::string err = read_text(captured / "err");
     EXPECT_LE(std::ranges::count(err, '\n'), 1) << err;
     return std::int64_t(usage.ru_maxrss) * 1024;
 }
@@ -162,14 +162,14 @@ TEST_F(Hostile, HeadersOfOpenExrAreBounded) {
         {"block_size", plain.text() + first_row + little_endian(0, 4) + little_endian(k_max, 4)},
         {"negative_block_size", plain.text() + first_row + little_endian(k_max + 1, 4) + little_endian(-1ull, 4)},
     };
-    write(folder / "s.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n");
+    write_text(folder / "s.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n");
     const auto render = [](const std::string& file) {
         return Arguments{"render", "s.csv", "-o", "x.png", "--env", file, "--size", "2x2", "--spp", "1"};
     };
     const std::int64_t base = peak_memory(folder, render("missing"));
     for (const auto& [name, header] : files) {
         SCOPED_TRACE(name);
-        write(folder / name, header + zeros);
+        write_text(folder / name, header + zeros);
         expect_failure(1, render(name), "srbf: " + name + ": ");
         const std::int64_t used = peak_memory(folder, render(name)) - base;
         if (!k_is_sanitized) {
@@ -183,7 +183,7 @@ TEST_F(Hostile, HeadersOfOpenExrAreBounded) {
 TEST_F(Hostile, UnknownInputIsRejectedAfterItsBeginning) {
     for (const auto& [name, start] :
          {std::pair("zeros", std::string(64, '\0')), {"words", std::string("these are words\n")}}) {
-        write(folder / name, start);
+        write_text(folder / name, start);
         fs::resize_file(folder / name, std::uint64_t(1) << 33);
         for (const Arguments& arguments : {Arguments{"info", name},
                                            {"fit", name},
@@ -208,7 +208,7 @@ TEST_F(Hostile, MemoryStaysWithinTheLimit) {
     SKIP_UNDER_SANITIZERS("the sanitizer takes terabytes of addresses");
     std::mt19937_64 random(1);
     ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "m.srbf").ok());
-    write(folder / "a.binary", small_merl());
+    write_text(folder / "a.binary", small_merl());
     int succeeded = 0, failed = 0;
     for (const char* megabytes : {"64", "100"})
         for (const Arguments& arguments : {Arguments{"info", k_paper},
@@ -218,7 +218,7 @@ TEST_F(Hostile, MemoryStaysWithinTheLimit) {
                                            k_quick_fit + Arguments{"a.binary", "-o", "x.srbf"}}) {
             if (!is_offered(arguments)) continue;
             SCOPED_TRACE(fmt::format("{} MB: {}", megabytes, fmt::join(arguments, " ")));
-            const ProgramRun result = run(folder, Arguments{"--max-memory", megabytes} + arguments);
+            const ProgramRun result = run_srbf(folder, Arguments{"--max-memory", megabytes} + arguments);
             ++(result.status == 0 ? succeeded : failed);
             if (result.status == 0) continue;
             EXPECT_EQ(result.status, 1);
@@ -238,13 +238,13 @@ TEST_F(Hostile, RunningOutOfMemoryNamesTheFile) {
     std::string pairs = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n";
     while (pairs.size() < 5000) pairs += "0,0,1,0,0,1,1\n";
     for (const auto& [name, start] : {std::pair("large.csv", pairs), {"large.srbf", model_with_header(2, "{}")}}) {
-        write(folder / name, start);
+        write_text(folder / name, start);
         fs::resize_file(folder / name, std::uint64_t(1) << 33);
         rlimit previous;
         ASSERT_EQ(::getrlimit(RLIMIT_AS, &previous), 0);
         const rlimit low{rlim_t(2) << 30, previous.rlim_max};
         ASSERT_EQ(::setrlimit(RLIMIT_AS, &low), 0);  // the program inherits it
-        const ProgramRun failed = run(folder, {"info", name});
+        const ProgramRun failed = run_srbf(folder, {"info", name});
         ASSERT_EQ(::setrlimit(RLIMIT_AS, &previous), 0);
         EXPECT_EQ(failed.status, 1);
         EXPECT_EQ(failed.err, fmt::format("srbf: {}: out of memory\n", name));
@@ -256,8 +256,8 @@ TEST_F(Hostile, ErrorsNameTheFailingPath) {
     const TemporaryFolder elsewhere;
     const std::string loop = elsewhere / "loop";
     fs::create_symlink("loop", loop);
-    write(folder / "file", "");
-    write(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n");
+    write_text(folder / "file", "");
+    write_text(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n");
     std::mt19937_64 random(1);
     ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "m.srbf").ok());
     for (const std::string& path : {loop, loop + "/x", std::string("file/x"), std::string(300, 'x')}) {
@@ -304,23 +304,23 @@ TEST_F(Hostile, NoControlCharactersReachTheTerminal) {
         "31mb";
     std::mt19937_64 random(1);
     ASSERT_TRUE(save_model({random_model(random, {}), {{"source", escapes}, {escapes, "x"}}}, folder / "m.srbf").ok());
-    write(folder / "s.brdf", "# " +
-                                 std::string("a\x1b[2J\x07"
-                                             "b\n") +
-                                 "# num wls\n1\n550\n0.1 0 0.1 0 0.5\n");
-    write(folder / "s.csv", "theta_l_deg,theta_v_deg,phi_v_deg,value,\x1b[2J\n1,1,1,1,1\n");
+    write_text(folder / "s.brdf", "# " +
+                                      std::string("a\x1b[2J\x07"
+                                                  "b\n") +
+                                      "# num wls\n1\n550\n0.1 0 0.1 0 0.5\n");
+    write_text(folder / "s.csv", "theta_l_deg,theta_v_deg,phi_v_deg,value,\x1b[2J\n1,1,1,1,1\n");
     for (const Arguments& arguments : {Arguments{"info", "m.srbf"},
                                        {"info", "s.brdf"},
                                        {"info", "s.csv"},
                                        {"fit", "s.csv", "--model", "ggx"},
                                        {"compare", "m.srbf", "m.srbf"}}) {
-        const ProgramRun result = run(folder, arguments);
+        const ProgramRun result = run_srbf(folder, arguments);
         EXPECT_TRUE(result.status == 0 || result.status == 1);
         for (const char c : result.out + result.err)
             EXPECT_TRUE(c == '\n' || static_cast<unsigned char>(c) >= 0x20) << fmt::format("{:02x}", int(c));
         EXPECT_LACKS((result.out + result.err), "\xc2\x9b");
     }
-    EXPECT_CONTAINS(run(folder, {"info", "m.srbf"}).out,
+    EXPECT_CONTAINS(run_srbf(folder, {"info", "m.srbf"}).out,
                     "source                              a?]0;title??[2J   ??31mb");
 }
 
@@ -355,7 +355,7 @@ std::map<std::string, std::string> metadata(std::size_t first, bool harmless) {
 
 /// The export destinations that the program's error message lists.
 Arguments destinations(const TemporaryFolder& folder) {
-    const std::string message_text = run(folder, {"export", "x", "--to", "nothing", "-o", "x"}).err;
+    const std::string message_text = run_srbf(folder, {"export", "x", "--to", "nothing", "-o", "x"}).err;
     const auto begin = message_text.find("expected ") + 9;
     std::string list = message_text.substr(begin, message_text.find(", found") - begin);
     Arguments names;
@@ -407,13 +407,13 @@ TEST_F(Hostile, NamesAndMetadataAreNotCode) {
                 of_kind.provenance = metadata(i, harmless);
                 const Model model =
                     is_surface ? Model{OpenPbrModel{}, of_kind.provenance} : Model{pm, of_kind.provenance};
-                write(folder / file, text_of(is_map ? write_map(of_kind) : write_model(model)));
+                write_text(folder / file, as_text(is_map ? write_map(of_kind) : write_model(model)));
                 const bool is_fitted = to == "blender" || to == "osl";
-                const ProgramRun result = run(folder, Arguments{"export", file, "--to", to, "-o", "x"} +
-                                                          (is_fitted ? Arguments{"--terms", "1"} : Arguments{}));
+                const ProgramRun result = run_srbf(folder, Arguments{"export", file, "--to", to, "-o", "x"} +
+                                                               (is_fitted ? Arguments{"--terms", "1"} : Arguments{}));
                 EXPECT_EQ(result.status, 0) << result.err;
                 EXPECT_EQ(printable_lines(result.out + result.err), result.out + result.err);
-                return contents(folder / "x");
+                return read_text(folder / "x");
             };
             std::string x = exported(name + ".srbf", false), y = exported("clean/" + identifier(name) + ".srbf", true);
             tried.insert(to);
@@ -458,7 +458,7 @@ std::vector<std::string> defined_names(const std::string& text) {
 /// Two files whose names could collide in code: the code distinguishes them, or an error names both.
 TEST_F(Hostile, NamesInCodeAreDistinct) {
     std::mt19937_64 random(1);
-    const Model model{random_model(random, {.lobes = 1, .variates = 1}), {}}, bsdf{full_bsdf(), {}};
+    const Model model{random_model(random, {.lobes = 1, .variates = 1}), {}}, bsdf{lobe_bsdf_with_beams(), {}};
     using Named = std::pair<std::string, const Model*>;
     const std::pair<Named, Named> pairs[] = {{{"a_b", &model}, {"aB", &model}},
                                              {{"x", &model}, {"x_r", &model}},
@@ -476,10 +476,10 @@ TEST_F(Hostile, NamesInCodeAreDistinct) {
             for (const auto& [name, named_model] : {a, b})
                 ASSERT_TRUE(save_model(*named_model, folder / (name + ".srbf")).ok());
             const ProgramRun result =
-                run(folder, {"export", a.first + ".srbf", b.first + ".srbf", "--to", to, "-o", "o"});
+                run_srbf(folder, {"export", a.first + ".srbf", b.first + ".srbf", "--to", to, "-o", "o"});
             if (result.status == 0) {
                 ++succeeded[to];
-                std::vector<std::string> names = defined_names(contents(folder / "o"));
+                std::vector<std::string> names = defined_names(read_text(folder / "o"));
                 EXPECT_GE(names.size(), 2u);
                 // A module contains names of JavaScript and, within a string, of GLSL.
                 if (to.starts_with("three"))
@@ -502,7 +502,8 @@ TEST_F(Hostile, NamesInCodeAreDistinct) {
     EXPECT_GE(succeeded.size(), 7u);
     for (const auto& [to, count] : succeeded) EXPECT_GE(count, to.starts_with("three") ? 1 : 4) << to;
     ASSERT_TRUE(save_model(model, folder / "srbf_view.srbf").ok());
-    const ProgramRun shared = run(folder, {"export", "srbf_view.srbf", "--to", "c", "--with", "sampling", "-o", "o"});
+    const ProgramRun shared =
+        run_srbf(folder, {"export", "srbf_view.srbf", "--to", "c", "--with", "sampling", "-o", "o"});
     EXPECT_EQ(shared.status, 1);
     EXPECT_CONTAINS(shared.err, "srbf_view and the functions of srbf");
 }
@@ -514,7 +515,7 @@ TEST_F(Hostile, NamesOfFilesAreOneLine) {
     fs::create_directory(folder / "b");
     const auto runs = [&](const std::string& name) {
         EXPECT_TRUE(save_model(model, folder / (name + ".srbf")).ok());
-        write(folder / (name + ".binary"), small_merl());
+        write_text(folder / (name + ".binary"), small_merl());
         std::vector<ProgramRun> results;
         for (const Arguments& arguments :
              {Arguments{"info", name + ".srbf"},
@@ -529,10 +530,10 @@ TEST_F(Hostile, NamesOfFilesAreOneLine) {
               {"export", name + ".srbf", "--to", name, "-o", name},
               {"info", "--" + name},
               {name}})
-            if (is_offered(arguments)) results.push_back(run(folder, arguments));
+            if (is_offered(arguments)) results.push_back(run_srbf(folder, arguments));
         return results;
     };
-    write(folder / "b.binary", small_merl());
+    write_text(folder / "b.binary", small_merl());
     const auto harmless = runs("a");
     for (const std::string& name : k_names) {
         const auto results = runs(name);

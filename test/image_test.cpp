@@ -11,10 +11,10 @@
 #include <algorithm>
 #include <cstring>
 
+#include "analytic_brdfs.h"
 #include "app/image.h"
 #include "errors/sphere.h"
 #include "properties.h"
-#include "shown_brdfs.h"
 #include "srbf/file.h"
 #include "temporary_folder.h"
 
@@ -128,7 +128,7 @@ TEST(Jpeg, IsTheImageUpToItsQuality) {
     }
 }
 
-using shown_brdfs::Glossy, shown_brdfs::Lambert;
+using analytic_brdfs::Glossy, analytic_brdfs::Lambert;
 
 // Previews.
 

@@ -20,11 +20,6 @@ MbsdfTable table() {
     return *read_mbsdf(mbsdf_file("", {mbsdf_block(k_reflection, k_polar, k_azimuths, 3, function_at)}), "t");
 }
 
-std::string error_of(const Bytes& bytes) {
-    const auto measured = read_measured(bytes, "f");
-    return measured ? "" : message(measured.error());
-}
-
 /// The position of θ = 90°, beyond the last sample, is n_θ; that of φ = 180° is that of the last sample.
 TEST(Mbsdf, InterpolatesItsSamples) {
     const MbsdfTable t = table();
@@ -100,7 +95,8 @@ TEST(Mbsdf, MasksValuesThatAreNotFinite) {
         }
     }
     const double nan = std::nan("");
-    EXPECT_EQ(error_of(mbsdf_file("", {mbsdf_block(k_reflection, 2, 2, 3, [&](int, int, int, int) { return nan; })})),
+    EXPECT_EQ(error_text(read_measured(
+                  mbsdf_file("", {mbsdf_block(k_reflection, 2, 2, 3, [&](int, int, int, int) { return nan; })}), "f")),
               "f: at 55: MBSDF samples: expected at least one that is finite, found none");
 }
 
@@ -109,7 +105,9 @@ TEST(Mbsdf, ReportsErrorsInOneLine) {
     const auto f = [](int, int, int, int) { return 0.5; };
     const Bytes block = mbsdf_block(k_reflection, 2, 3, 1, f),
                 through = mbsdf_block("MBSDF_DATA_TRANSMISSION=", 2, 3, 1, f);
-    const auto say = [&](const std::string& lines) { return error_of(mbsdf_file(lines, {block})); };
+    const auto say = [&](const std::string& lines) {
+        return error_text(read_measured(mbsdf_file(lines, {block}), "f"));
+    };
     EXPECT_EQ(say("a=\"b\"\nc=\"\"\na=\"\\n\\\\\\\"\"\n"), "");
     EXPECT_EQ(say("a\n"), "f: at 20: MBSDF header: expected a line key=\"value\" or the head of a block, found 'a'");
     EXPECT_CONTAINS(say("=\"b\"\n"), "at 20: MBSDF header: expected a line key");
@@ -124,24 +122,26 @@ TEST(Mbsdf, ReportsErrorsInOneLine) {
 
     Bytes next = mbsdf_file("", {block});
     next[18] = std::byte('2');
-    EXPECT_EQ(error_of(next),
+    EXPECT_EQ(error_text(read_measured(next, "f")),
               "f: at 0: MBSDF file: expected the line 'NVIDIA ARC MBSDF V1', found 'NVIDIA ARC MBSDF V2'");
-    EXPECT_EQ(error_of(mbsdf_file("a=\"b\"\n", {})),
+    EXPECT_EQ(error_text(read_measured(mbsdf_file("a=\"b\"\n", {}), "f")),
               "f: at 26: MBSDF header: expected a block, headed MBSDF_DATA_REFLECTION=, found the end of the file");
-    EXPECT_EQ(error_of(mbsdf_file("", {through})),
+    EXPECT_EQ(error_text(read_measured(mbsdf_file("", {through}), "f")),
               "f: at 20: MBSDF file: expected a block of reflection, found transmission alone");
-    EXPECT_EQ(error_of(mbsdf_file("", {through, block})), error_of(mbsdf_file("", {through})));
-    EXPECT_EQ(error_of(mbsdf_file("", {block, block})),
+    EXPECT_EQ(error_text(read_measured(mbsdf_file("", {through, block}), "f")),
+              error_text(read_measured(mbsdf_file("", {through}), "f")));
+    EXPECT_EQ(error_text(read_measured(mbsdf_file("", {block, block}), "f")),
               "f: at 103: after the MBSDF block of reflection: expected the end of the file, or "
               "MBSDF_DATA_TRANSMISSION=, found 83 bytes");
-    EXPECT_EQ(error_of(mbsdf_file("", {block, through, Bytes(5)})),
+    EXPECT_EQ(error_text(read_measured(mbsdf_file("", {block, through, Bytes(5)}), "f")),
               "f: at 188: after the MBSDF block of transmission: expected the end of the file, found 5 bytes");
     Bytes cut = mbsdf_file("", {block, through});
     cut.pop_back();
-    EXPECT_EQ(error_of(cut), "f: at 140: MBSDF block of 2 x 2 x 3 x 1 numbers: expected 48 bytes, found 47 bytes");
+    EXPECT_EQ(error_text(read_measured(cut, "f")),
+              "f: at 140: MBSDF block of 2 x 2 x 3 x 1 numbers: expected 48 bytes, found 47 bytes");
     cut.resize(135);
     EXPECT_EQ(
-        error_of(cut),
+        error_text(read_measured(cut, "f")),
         "f: at 128: MBSDF block: expected type and numbers of angles in 12 bytes, found the end of the file after 7");
 }
 
@@ -149,7 +149,7 @@ TEST(Mbsdf, RefusesSizesBeyondTheFile) {
     const auto with = [](std::size_t number, std::uint32_t n) {
         Bytes bytes = mbsdf_file("", {mbsdf_block(k_reflection, 2, 3, 1, [](int, int, int, int) { return 0.5; })});
         std::memcpy(&bytes[43 + 4 * number], &n, sizeof n);
-        return error_of(bytes);
+        return error_text(read_measured(bytes, "f"));
     };
     EXPECT_EQ(with(0, 2), "f: at 43: type of an MBSDF block: expected 0 (grey) or 1 (RGB), found 2");
     EXPECT_EQ(with(0, 1), "f: at 55: MBSDF block of 2 x 2 x 3 x 3 numbers: expected 144 bytes, found 48 bytes");

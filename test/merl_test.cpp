@@ -132,9 +132,9 @@ TEST(Merl, IsReciprocalIsotropicAndBounded) {
     double largest = 0;
     for (const Rgb& f : table.cells) largest = std::max(largest, double(f.r));
     for (int i = 0; i < 20000; ++i) {
-        const Vec3f wl = direction_to_the_ends(random), wv = direction_to_the_ends(random);
+        const Vec3f wl = direction_with_extremes(random), wv = direction_with_extremes(random);
         const Rgb f = value(table, wl, wv), exchanged = value(table, wv, wl);
-        ASSERT_TRUE(keeps_contract(f, wl, wv, true));
+        ASSERT_TRUE(satisfies_contract(f, wl, wv, true));
         const double turn = 6 * uniform(random);
         const Rgb turned = value(table, rotate(wl, turn), rotate(wv, turn));
         if (std::isnan(f.r)) {

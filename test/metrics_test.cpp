@@ -2,6 +2,7 @@
 #include "srbf/metrics.h"
 #include "errors/measures.h"
 
+#include "analytic_brdfs.h"
 #include "brdf/directions.h"
 #include "brdf/values.h"
 #include "properties.h"
@@ -10,13 +11,7 @@
 namespace srbf::metrics_test {
 namespace {
 
-struct Lambert {
-    Rgb colour;
-};
-Rgb value(const Lambert& brdf, Vec3f wl, Vec3f wv) {
-    if (!(wl.z > 0 && wv.z > 0)) return {};
-    return {float(brdf.colour.r / k_pi), float(brdf.colour.g / k_pi), float(brdf.colour.b / k_pi)};
-}
+using analytic_brdfs::Lambert;
 
 /// scale (0.1 + lobe G): a constant and a Gaussian lobe of a given bandwidth about the mirror direction.
 struct Glossy {

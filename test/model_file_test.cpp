@@ -51,7 +51,7 @@ void expect_finite(const Model& model) {
 }
 
 /// The message of the read error. Empty if reading gives a model, whose values are then checked.
-std::string error_of(const Bytes& bytes) {
+std::string read_error(const Bytes& bytes) {
     const auto model = read_model(bytes, k_source);
     if (model) return expect_finite(*model), "";
     EXPECT_EQ(model.error().source, k_source);
@@ -67,7 +67,7 @@ std::string error_of(const Bytes& bytes) {
 template <typename Damage> std::string error_after(Damage damage) {
     File file;
     damage(file);
-    return error_of(file.bytes());
+    return read_error(file.bytes());
 }
 
 bool mentions(const std::string& line, const std::string& part) { return line.find(part) != line.npos; }
@@ -88,22 +88,22 @@ TEST(ModelFile, ReadsAValidFile) {
     // The order and the whitespace of the header are free, and additional metadata is allowed.
     File file;
     const std::string text = "  " + file.header.dump(4) + "\n ";
-    EXPECT_EQ(error_of(container(text, file.data)), "");
+    EXPECT_EQ(read_error(container(text, file.data)), "");
     EXPECT_EQ(error_after([](File& f) { f.header["__metadata__"]["more"] = "\u2713"; }), "");
 }
 
 /// Expects an error for every prefix of a model's bytes, and an error or a valid model for every flipped byte.
 /// Returns the number of valid models.
 int check_damaged_bytes(const Bytes& bytes) {
-    EXPECT_EQ(error_of(bytes), "");
+    EXPECT_EQ(read_error(bytes), "");
     for (std::size_t size = 0; size < bytes.size(); ++size)
-        EXPECT_NE(error_of(Bytes(bytes.begin(), bytes.begin() + std::ptrdiff_t(size))), "") << size;
+        EXPECT_NE(read_error(Bytes(bytes.begin(), bytes.begin() + std::ptrdiff_t(size))), "") << size;
     int models = 0;
     for (std::size_t position = 0; position < bytes.size(); ++position)
         for (const int flip : {0x01, 0x80, 0xff}) {
             Bytes flipped = bytes;
             flipped[position] ^= std::byte(flip);
-            models += error_of(flipped).empty();
+            models += read_error(flipped).empty();
         }
     return models;
 }
@@ -117,29 +117,30 @@ TEST(ModelFile, TruncationsAreErrorsAndFlippedBytesErrorsOrModels) {
         models += check_damaged_bytes(bytes);
         Bytes longer = bytes;
         longer.push_back(std::byte(0));
-        EXPECT_TRUE(mentions(error_of(longer), "data"));
+        EXPECT_TRUE(mentions(read_error(longer), "data"));
     }
     EXPECT_GT(models, 0);  // flipped bytes of numbers and of provenance
 }
 
 TEST(ModelFile, InvalidHeadersAreErrors) {
-    EXPECT_TRUE(mentions(error_of({}), "at 0: header length: expected 8 bytes, found 0 bytes"));
+    EXPECT_TRUE(mentions(read_error({}), "at 0: header length: expected 8 bytes, found 0 bytes"));
     Bytes garbage;
     append(garbage, "MERL or any other file that is none of ours");
-    EXPECT_TRUE(mentions(error_of(garbage), "at 0: header length: expected at most 35"));
+    EXPECT_TRUE(mentions(read_error(garbage), "at 0: header length: expected at most 35"));
     for (const std::uint64_t extra :
          {std::uint64_t(1), std::uint64_t(1) << 32, std::uint64_t(1) << 63, ~std::uint64_t(0) - 2})
-        EXPECT_TRUE(mentions(error_of(container("{}", {}, extra)), "header length"));
+        EXPECT_TRUE(mentions(read_error(container("{}", {}, extra)), "header length"));
     for (const char* text :
          {"", "{", "null", "[]", "\"x\"", "12", "{}}", "{\"a\":}", "{\"a\":1,}", "\xff", "{\"\xff\":1}"})
-        EXPECT_TRUE(mentions(error_of(container(text)), "at 8: header: expected a JSON object")) << text;
-    EXPECT_NE(error_of(container("{}")), "");
+        EXPECT_TRUE(mentions(read_error(container(text)), "at 8: header: expected a JSON object")) << text;
+    EXPECT_NE(read_error(container("{}")), "");
 }
 
 TEST(ModelFile, LongHeadersAreErrors) {
     const std::string header = File().header.dump(), filler(1 << 20, ' ');
-    EXPECT_EQ(error_of(container(header + filler.substr(header.size()), File().data)), "");
-    EXPECT_TRUE(mentions(error_of(container(header + filler, File().data)), "header length: expected at most 1048576"));
+    EXPECT_EQ(read_error(container(header + filler.substr(header.size()), File().data)), "");
+    EXPECT_TRUE(
+        mentions(read_error(container(header + filler, File().data)), "header length: expected at most 1048576"));
     std::mt19937_64 random(1);
     const Model model{random_model(random, {}), {{"note", filler}}};
     const auto saved = save_model(model, "/dev/null");
@@ -149,19 +150,19 @@ TEST(ModelFile, LongHeadersAreErrors) {
 
 TEST(ModelFile, DeepNestingIsAnError) {
     const std::string open(100000, '['), close(100000, ']');
-    EXPECT_NE(error_of(container(open)), "");
-    EXPECT_NE(error_of(container(open + close)), "");
+    EXPECT_NE(read_error(container(open)), "");
+    EXPECT_NE(read_error(container(open + close)), "");
     // Nesting within parts that are read and shown in messages.
     const auto error_of_entry = [&](const std::string& dtype, const std::string& shape, const std::string& offsets) {
         const std::string entry = "{\"dtype\":" + dtype + ",\"shape\":" + shape + ",\"data_offsets\":" + offsets + "}";
-        return error_of(container("{\"bandwidth\":" + entry + "}", {0x3c00}));
+        return read_error(container("{\"bandwidth\":" + entry + "}", {0x3c00}));
     };
     const std::string deep = "header: expected at most 3 levels of JSON";
     EXPECT_TRUE(mentions(error_of_entry(open + close, "[1]", "[0,2]"), deep));
     EXPECT_TRUE(mentions(error_of_entry("\"F16\"", open + close, "[0,2]"), deep));
     EXPECT_TRUE(mentions(error_of_entry("\"F16\"", "[1]", open + close), deep));
-    EXPECT_TRUE(mentions(error_of(container("{\"__metadata__\":" + open + close + "}")), deep));
-    EXPECT_TRUE(mentions(error_of(container("{\"__metadata__\":{\"a\":" + open + close + "}}")), deep));
+    EXPECT_TRUE(mentions(read_error(container("{\"__metadata__\":" + open + close + "}")), deep));
+    EXPECT_TRUE(mentions(read_error(container("{\"__metadata__\":{\"a\":" + open + close + "}}")), deep));
     // The deepest that is allowed, and one level more.
     EXPECT_TRUE(mentions(error_of_entry("\"F16\"", "[[]]", "[0,2]"), "shape"));
     EXPECT_TRUE(mentions(error_of_entry("\"F16\"", "[[1]]", "[0,2]"), deep));
@@ -215,7 +216,7 @@ TEST(ModelFile, CountsBeyondTheLimitsAreErrors) {
         f.header["bandwidth"] = {{"dtype", "F16"}, {"shape", {J, N}}, {"data_offsets", {a, b}}};
         f.header["parameterization"] = {{"dtype", "F16"}, {"shape", {N, 2}}, {"data_offsets", {b, c}}};
         f.data.assign(c / 2, 0x3c00);
-        return error_of(f.bytes());
+        return read_error(f.bytes());
     };
     EXPECT_EQ(error_of_shape(k_most_lobes, k_most_variates), "");
     EXPECT_TRUE(mentions(error_of_shape(k_most_lobes + 1, 1), "expected [J, N] up to [1024, 8], found [1025, 1]"));
@@ -374,7 +375,7 @@ struct SuFile {
 template <typename Damage> std::string su_error_after(Damage damage) {
     SuFile file;
     damage(file);
-    return error_of(container(file.header.dump(), file.data));
+    return read_error(container(file.header.dump(), file.data));
 }
 
 template <typename Damage> void expect_su_error(const std::string& part, Damage damage) {

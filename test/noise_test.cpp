@@ -11,13 +11,6 @@
 namespace srbf::noise_test {
 namespace {
 
-const Measured& bundled(const std::string& name) {
-    static std::map<std::string, Measured> read;
-    const auto at = read.find(name);
-    if (at != read.end()) return at->second;
-    return read.emplace(name, *load_measured((bundled_data() / (name + ".bsdf")).string())).first->second;
-}
-
 /// About normally distributed, of variance 1, independent for other directions or another channel.
 float noise_at(Vec3f wl, Vec3f wv, std::uint32_t channel) {
     // splitmix64 of the bits of the numbers; the sum of twelve uniform numbers of 16 bits

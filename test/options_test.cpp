@@ -115,19 +115,19 @@ class Options : public CommandLine {
             if (HasFatalFailure()) return;
             input_files = folder.files();
         }
-        for (const auto& [name, content] : input_files) write(folder / name, content);
+        for (const auto& [name, content] : input_files) write_text(folder / name, content);
         inputs = input_files;
     }
     void write_inputs() {
-        write(folder / "m.binary", small_merl());
+        write_text(folder / "m.binary", small_merl());
         std::mt19937_64 random(1);
         ASSERT_TRUE(
             save_model({random_model(random, {.lobes = 1, .variates = 1, .most_bandwidth = 20}), {}}, folder / "m.srbf")
                 .ok());
         ASSERT_TRUE(save_model({OpenPbrModel{}, {}}, folder / "q.srbf").ok());
-        ASSERT_TRUE(save_model({full_bsdf(), {}}, folder / "b.srbf").ok());
+        ASSERT_TRUE(save_model({lobe_bsdf_with_beams(), {}}, folder / "b.srbf").ok());
         const Bytes map = write_map(random_map(random, {.lobes = 2}, 3, 2));
-        write(folder / "t.srbf", text_of(map));
+        write_text(folder / "t.srbf", as_text(map));
         std::string samples = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,r,g,b\n", pairs = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n";
         std::vector<float> texels;
         for (int i = 0; i < 60; ++i) {
@@ -139,18 +139,18 @@ class Options : public CommandLine {
             pairs += pair + "\n";
         }
         for (int i = 0; i < 2 * 60 * 3; ++i) texels.push_back(float(0.2 + 0.1 * uniform(random)));
-        write(folder / "s.csv", samples);
-        write(folder / "p.csv", pairs);
+        write_text(folder / "s.csv", samples);
+        write_text(folder / "p.csv", pairs);
         const auto write_npy = [&](const char* name, const char* shape, std::size_t numbers) {
             const std::string head = fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': {}, }}\n", shape);
-            write(folder / name, "\x93NUMPY" + std::string("\1\0", 2) + char(head.size()) + '\0' + head +
-                                     std::string(reinterpret_cast<const char*>(texels.data()), 4 * numbers));
+            write_text(folder / name, "\x93NUMPY" + std::string("\1\0", 2) + char(head.size()) + '\0' + head +
+                                          std::string(reinterpret_cast<const char*>(texels.data()), 4 * numbers));
         };
         write_npy("t.npy", "(2, 60, 3)", texels.size()), write_npy("w.npy", "(2, 3, 2)", 12);
-        write(folder / "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 2\nf 1 2 3\nf 1 2 4\n");
-        write(folder / "e.hdr", fmt::format("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n{}",
-                                            std::string("\x80\x40\x40\x81\x20\x40\x80\x80", 8)));
-        ASSERT_EQ(run(folder, {"convert", "m.srbf", "-o", "r.bsdf"}).status, 0);
+        write_text(folder / "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 2\nf 1 2 3\nf 1 2 4\n");
+        write_text(folder / "e.hdr", fmt::format("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n{}",
+                                                 std::string("\x80\x40\x40\x81\x20\x40\x80\x80", 8)));
+        ASSERT_EQ(run_srbf(folder, {"convert", "m.srbf", "-o", "r.bsdf"}).status, 0);
     }
 
     /// The output and the files of a run. Reports of fits are left out because they contain durations.
@@ -161,12 +161,12 @@ class Options : public CommandLine {
         bool operator==(const Written&) const = default;
     };
     Written written(const Arguments& arguments) {
-        ProgramRun result = run(folder, arguments);
+        ProgramRun result = run_srbf(folder, arguments);
         Written output{result.status, prints_durations(arguments[0]) ? "" : result.out, result.err, {}};
         for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path)) {
             const std::string name = entry.path().lexically_relative(folder.path).string();
             if (inputs.contains(name) || !entry.is_regular_file()) continue;
-            output.files[name] = name.ends_with(".json") ? "" : contents(entry.path());
+            output.files[name] = name.ends_with(".json") ? "" : read_text(entry.path());
         }
         for (const auto& entry : std::filesystem::directory_iterator(folder.path))
             if (!inputs.contains(entry.path().filename().string())) std::filesystem::remove_all(entry.path());
@@ -272,9 +272,9 @@ class Resuming : public Options {
         ::setenv("SRBF_FAIL_AT", fail_at.c_str(), 1);
         ::setenv("SRBF_FAIL_ERROR", error.c_str(), 1);
         ::setenv("SRBF_FAIL_COUNT", (count_folder / "count").c_str(), 1);
-        (void)run(folder, arguments);
+        (void)run_srbf(folder, arguments);
         ::unsetenv("LD_PRELOAD");
-        return contents(count_folder / "count");
+        return read_text(count_folder / "count");
     }
 };
 
@@ -285,7 +285,7 @@ TEST_F(Resuming, KeepsOldResultsOutOfNewOnes) {
     kill_at_the_end(base);
     if (HasFatalFailure()) return;
     std::filesystem::copy(partial_output / "o", folder / "o", std::filesystem::copy_options::recursive);
-    EXPECT_LACKS(run(folder, base + Arguments{"--resume"}).out, " 0 kept");
+    EXPECT_LACKS(run_srbf(folder, base + Arguments{"--resume"}).out, " 0 kept");
     std::filesystem::remove_all(folder / "o");
     EXPECT_TRUE(expect_resumed(base, fresh(base)));
     int tried = 0;
@@ -298,11 +298,11 @@ TEST_F(Resuming, KeepsOldResultsOutOfNewOnes) {
         tried += expect_resumed(with, fresh(with));
     }
     EXPECT_GE(tried, 5);
-    const std::string before = contents(folder / k_resumed_input);
+    const std::string before = read_text(folder / k_resumed_input);
     ASSERT_NE(changed_content(before), before);
-    write(folder / k_resumed_input, changed_content(before));
+    write_text(folder / k_resumed_input, changed_content(before));
     EXPECT_TRUE(expect_resumed(base, written_fresh(base)));
-    write(folder / k_resumed_input, before);
+    write_text(folder / k_resumed_input, before);
 }
 
 #endif

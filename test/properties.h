@@ -4,9 +4,11 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 #include "brdf/directions.h"
+#include "srbf/result.h"
 #include "srbf/vec.h"
 
 namespace srbf {
@@ -36,6 +38,9 @@ inline testing::AssertionResult lacks(const char*, const char*, std::string_view
     return testing::AssertionResult(text.find(part) == text.npos) << part << "\nis in\n" << text.substr(0, 4096);
 }
 
+/// The message of a result's error; empty if there is none.
+template <typename T> std::string error_text(const Result<T>& result) { return result ? "" : message(result.error()); }
+
 /// The measurements bundled with the project.
 inline std::filesystem::path bundled_data() { return std::filesystem::path(SRBF_SOURCE_DIR) / "data"; }
 /// More measurements, if available: $SRBF_DATA, otherwise shared/data beside the checkout; may not exist.
@@ -49,6 +54,28 @@ inline Vec3d random_direction(std::mt19937_64& random, double z_min = -1) {
     const double z = z_min + (1 - z_min) * uniform(random), phi = 2 * k_pi * uniform(random);
     const double r = std::sqrt(std::max(0.0, 1 - z * z));
     return {r * elementary::cos(phi), r * elementary::sin(phi), z};
+}
+
+/// A random direction. With probability ¼ it is within a degree of the horizon or of the normal.
+inline Vec3f direction_with_extremes(std::mt19937_64& random) {
+    const double pick = uniform(random);
+    if (pick < 0.125) return to_float(spherical(k_pi / 2 - uniform(random) * k_degree, 7 * uniform(random)));
+    if (pick < 0.25) return to_float(spherical(uniform(random) * k_degree, 7 * uniform(random)));
+    return to_float(random_direction(random, 1e-4));
+}
+
+/// ω rotated about the normal.
+inline Vec3f rotate(Vec3f w, double phi) {
+    const double c = std::cos(phi), s = std::sin(phi);
+    return to_float(Vec3d{c * double(w.x) - s * double(w.y), s * double(w.x) + c * double(w.y), double(w.z)});
+}
+
+/// True if `f` is zero below the horizon, and elsewhere finite and not negative. If `may_be_missing`, NaN in every
+/// channel is valid, too.
+inline bool satisfies_contract(const Rgb& f, Vec3f wl, Vec3f wv, bool may_be_missing) {
+    if (wl.z <= 0 || wv.z <= 0) return f == Rgb{};
+    if (may_be_missing && std::isnan(f.r) && std::isnan(f.g) && std::isnan(f.b)) return true;
+    return is_finite(f) && f.r >= 0 && f.g >= 0 && f.b >= 0;
 }
 
 }  // namespace srbf

@@ -9,8 +9,8 @@ namespace {
 using Refusal = CommandLine;
 
 TEST_F(Refusal, SpectraOfColoursAreRefused) {
-    write(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n");
-    write(folder / "c.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0,1,0,0,1,1\n");
+    write_text(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n");
+    write_text(folder / "c.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0,1,0,0,1,1\n");
     for (const std::string& file : {k_paper, std::string("c.csv")}) {
         expect_failure(1, {"fit", file, "--channels", "spectral"}, "expected a measurement at wavelengths");
         expect_failure(1, {"eval", file, "--pairs", "p.csv", "--channels", "spectral"}, "found one of colours");
@@ -21,17 +21,17 @@ TEST_F(Refusal, SpectraOfColoursAreRefused) {
 }
 
 TEST_F(Refusal, BadInputLeavesNothingBehind) {
-    const std::string paper = contents(k_paper), merl = small_merl();
-    write(folder / "empty", "");
-    write(folder / "truncated.bsdf", paper.substr(0, paper.size() / 2));
-    write(folder / "magic.bsdf", fmt::format("T{}", paper.substr(1)));
-    write(folder / "size.binary", merl + "x");
-    write(folder / "truncated.binary", merl.substr(0, merl.size() - 1));
-    write(folder / "nan.binary", text_of(merl_file({9, 6, 8}, [](auto...) { return std::nan(""); })));
+    const std::string paper = read_text(k_paper), merl = small_merl();
+    write_text(folder / "empty", "");
+    write_text(folder / "truncated.bsdf", paper.substr(0, paper.size() / 2));
+    write_text(folder / "magic.bsdf", fmt::format("T{}", paper.substr(1)));
+    write_text(folder / "size.binary", merl + "x");
+    write_text(folder / "truncated.binary", merl.substr(0, merl.size() - 1));
+    write_text(folder / "nan.binary", as_text(merl_file({9, 6, 8}, [](auto...) { return std::nan(""); })));
     std::mt19937_64 random(1);
     ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "m.srbf").ok());
-    write(folder / "truncated.srbf", contents(folder / "m.srbf").substr(0, 40));
-    write(folder / "kept.srbf", "kept");
+    write_text(folder / "truncated.srbf", read_text(folder / "m.srbf").substr(0, 40));
+    write_text(folder / "kept.srbf", "kept");
     std::filesystem::create_directory(folder / "a folder");
     for (const std::string name : {"missing", "empty", "truncated.bsdf", "magic.bsdf", "size.binary",
                                    "truncated.binary", "nan.binary", "truncated.srbf", "a folder"}) {
@@ -40,12 +40,12 @@ TEST_F(Refusal, BadInputLeavesNothingBehind) {
         expect_failure(1, {"compare", k_paper, name, "--json", "r.json"}, name);
     }
     expect_failure(1, {"fit", "m.srbf"}, "m.srbf: input: expected a measurement, found a fitted model");
-    write(folder / "zero.binary", text_of(merl_file({9, 6, 8}, [](auto...) { return 0; })));
+    write_text(folder / "zero.binary", as_text(merl_file({9, 6, 8}, [](auto...) { return 0; })));
     expect_failure(1, {"fit", "zero.binary"}, "zero.binary: ");
 }
 
 TEST_F(Refusal, OutputsThatCannotBeWrittenLeaveNothingBehind) {
-    write(folder / "small.binary", small_merl());
+    write_text(folder / "small.binary", small_merl());
     std::filesystem::create_directory(folder / "a folder");
     std::filesystem::create_symlink("small.binary", folder / "link");
     const Arguments fit{"fit", "small.binary", "--model", "ggx"};
@@ -65,7 +65,7 @@ TEST_F(Refusal, OutputsThatCannotBeWrittenLeaveNothingBehind) {
 /// A full device is noticed only after fitting and measuring.
 TEST_F(Refusal, FullDevicesLeaveNothingBehind) {
     SKIP_UNDER_SANITIZERS("fits take too long");
-    write(folder / "small.binary", small_merl());
+    write_text(folder / "small.binary", small_merl());
     const Arguments fit{"fit", "small.binary", "--model", "ggx", "--objective", "cosine"};
     expect_failure(1, fit + Arguments{"-o", "/dev/full", "--json", "r.json"}, "/dev/full");
     expect_failure(1, fit + Arguments{"--json", "/dev/full", "--preview", "p.png"}, "/dev/full");
@@ -83,7 +83,7 @@ TEST_F(Refusal, UsageErrorsNameTheChoices) {
 }
 
 TEST_F(Refusal, OptionsThatAModeDoesNotReadAreRefused) {
-    write(folder / "m.binary", small_merl());
+    write_text(folder / "m.binary", small_merl());
     const Arguments raster{"render", "m.binary", "-o", "x.png", "--size", "8x8", "--renderer", "raster"};
     for (const Arguments& path_only : {Arguments{"--aov"},
                                        {"--bounces", "2"},
@@ -108,9 +108,9 @@ TEST_F(Refusal, OptionsThatAModeDoesNotReadAreRefused) {
 
 /// Options of samples with models, maps and texels of maps.
 TEST_F(Refusal, OptionsOfSamplesAreRefusedForModels) {
-    write(folder / "m.binary", small_merl());
+    write_text(folder / "m.binary", small_merl());
     std::mt19937_64 random(1);
-    write(folder / "map.srbf", text_of(write_map(random_map(random, {}, 1, 1))));
+    write_text(folder / "map.srbf", as_text(write_map(random_map(random, {}, 1, 1))));
     ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "m.srbf").ok());
     const std::string words = "input: expected samples, for --columns, --quantity and --floor, found a fitted model";
     for (const std::string name : {"m.srbf", "map.srbf", "map.srbf#0"}) {
@@ -160,9 +160,9 @@ TEST_F(Refusal, UsageErrorsNameWhatIsWrong) {
 }
 
 TEST_F(Refusal, ConvertRefusesInvalidRequests) {
-    write(folder / "m.binary", small_merl());
-    write(folder / "a.csv",
-          "# anisotropic\nwl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n0.6,0,0.8,0,0,1,1\n");
+    write_text(folder / "m.binary", small_merl());
+    write_text(folder / "a.csv",
+               "# anisotropic\nwl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n0.6,0,0.8,0,0,1,1\n");
     expect_failure(2, {"convert", "m.binary", "-o", "m.exr"}, "ends in .bsdf, .mbsdf, .binary, ");
     expect_failure(2, {"convert", "m.binary"}, "--output");
     expect_failure(1, {"convert", "m.binary", "-o", "m.binary"}, "another file than the input");
@@ -175,19 +175,19 @@ TEST_F(Refusal, ConvertRefusesInvalidRequests) {
 }
 
 TEST_F(Refusal, RenderRefusesInvalidRequests) {
-    write(folder / "m.binary", small_merl());
-    write(folder / "no_faces.obj", "v 0 0 0\n");
-    write(folder / "nan.obj", "v 0 nan 0\nf 1 1 1\n");
-    write(folder / "range.ply",
-          "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
-          "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n3 0 1 2\n");
+    write_text(folder / "m.binary", small_merl());
+    write_text(folder / "no_faces.obj", "v 0 0 0\n");
+    write_text(folder / "nan.obj", "v 0 nan 0\nf 1 1 1\n");
+    write_text(folder / "range.ply",
+               "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+               "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n3 0 1 2\n");
     const Arguments render{"render", "m.binary", "--renderer", "raster", "-o", "x.png"};
     const auto with_mesh = [&](const std::string& mesh) { return render + Arguments{"--mesh", mesh}; };
     expect_failure(1, with_mesh("no_faces.obj"), "no_faces.obj: faces of the mesh: expected one at least, found none");
     expect_failure(1, with_mesh("nan.obj"), "nan.obj: line 1: v: expected three numbers");
     expect_failure(1, with_mesh("range.ply"), "range.ply: vertex index of a face: expected below 1, found 1");
     expect_failure(1, with_mesh("missing.ply"), "missing.ply");
-    write(folder / "huge.obj", "v 0 0 0\nv 1e18 0 0\nv 0 1e18 0\nf 1 2 3\n");
+    write_text(folder / "huge.obj", "v 0 0 0\nv 1e18 0 0\nv 0 1e18 0\nf 1 2 3\n");
     expect_failure(1, {"render", "m.binary", "-o", "x.png", "--mesh", "huge.obj"},
                    "huge.obj: coordinates of the mesh: expected at most 1e+07 from 0, found 1e+18");
     expect_failure(1, {"render", "missing", "-o", "x.png"}, "missing");

@@ -181,8 +181,8 @@ TEST(Rgl, WarpStaysInTheSquareWithoutDensity) {
         const Slices slices = slices_at(table->theta_l, float(2 * uniform(random)));
         const Warped w = unwarp(table->visible, slices, float(uniform(random)), float(uniform(random)));
         EXPECT_TRUE(w.x >= 0 && w.x <= 1 && w.y >= 0 && w.y <= 1 && w.density >= 0);
-        const Vec3f wl = direction_to_the_ends(random), wv = direction_to_the_ends(random);
-        EXPECT_TRUE(keeps_contract(value(*table, wl, wv), wl, wv, false));
+        const Vec3f wl = direction_with_extremes(random), wv = direction_with_extremes(random);
+        EXPECT_TRUE(satisfies_contract(value(*table, wl, wv), wl, wv, false));
     }
 }
 
@@ -191,9 +191,9 @@ TEST(Rgl, IsIsotropicAndBounded) {
     for (const auto& name : k_bundled) {
         const RglTable& table = bundled(name);
         for (int i = 0; i < 30000; ++i) {
-            const Vec3f wl = direction_to_the_ends(random), wv = direction_to_the_ends(random);
+            const Vec3f wl = direction_with_extremes(random), wv = direction_with_extremes(random);
             const Rgb f = value(table, wl, wv);
-            ASSERT_TRUE(keeps_contract(f, wl, wv, false));
+            ASSERT_TRUE(satisfies_contract(f, wl, wv, false));
             const double angle = 6 * uniform(random);
             const Vec3f rotated_l = rotate(wl, angle), rotated_v = rotate(wv, angle);
             const Rgb rotated = value(table, rotated_l, rotated_v);
@@ -220,10 +220,10 @@ TEST(Rgl, BatchesAgreeWithSingleValues) {
         for (const std::size_t count : {std::size_t(0), std::size_t(1), std::size_t(37), std::size_t(20000)}) {
             std::vector<Vec3f> wl, wv;
             for (std::size_t i = 0; i < count; ++i) {
-                wl.push_back(direction_to_the_ends(random));
+                wl.push_back(direction_with_extremes(random));
                 wv.push_back(i % 5 == 0   ? mirror(wl.back())
                              : i % 7 == 0 ? to_float(random_direction(random))
-                                          : direction_to_the_ends(random));
+                                          : direction_with_extremes(random));
             }
             std::vector<Rgb> f(count);
             evaluate_signed(table, wl, wv, f);

@@ -205,7 +205,7 @@ TEST_F(RuntimeHeader, SamplesFollowTheirDensity) {
             for (const double t : {1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 0.01, 0.05, 0.15, 0.3, 0.5, 0.8, 1.2, 2.0})
                 bins.edge.push_back(t);
             std::vector<double> expected =
-                bins.masses([&](Vec3d wl) { return double(pdf(runtime, opened.brdf, to_float(wl), wv)); });
+                bins.integrals([&](Vec3d wl) { return double(pdf(runtime, opened.brdf, to_float(wl), wv)); });
             std::vector<double> observed(expected.size() + 1);
             double rest = draws, weights = 0;
             for (double& mass : expected) rest -= mass *= draws;

@@ -145,7 +145,8 @@ TEST_F(Sampling, SamplesFollowDensitiesThatIntegrateToOne) {
     const auto check = [&](const std::string& name, const Evaluate&, const Proposal& proposal) {
         for (const double theta : k_thetas) {
             const Vec3f wv = to_float(spherical(theta * k_degree, 0.7));
-            std::vector<double> expected = bins.masses([&](Vec3d h) { return half_vector_density(proposal, h, wv); });
+            std::vector<double> expected =
+                bins.integrals([&](Vec3d h) { return half_vector_density(proposal, h, wv); });
             std::vector<double> observed(bins.size() + 1);
             for (int i = 0; i < count; ++i) {
                 const Vec3f wl = sample(proposal, wv, draw3());
@@ -412,7 +413,7 @@ TEST_F(Sampling, LobesStretchAlongTheGrain) {
             // Samples follow the density, too.
             const Proposal proposal = stretched;
             std::vector<double> expected =
-                                    bins.masses([&](Vec3d h) { return half_vector_density(proposal, h, wv); }, 64),
+                                    bins.integrals([&](Vec3d h) { return half_vector_density(proposal, h, wv); }, 64),
                                 observed(bins.size() + 1);
             double total_mass = 0;
             for (double& mass : expected) total_mass += mass, mass *= count;

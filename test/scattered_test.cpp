@@ -22,11 +22,6 @@ Result<ScatteredSamples> read(Result<ScatteredSamples> (*reader)(std::span<const
                               std::string_view text) {
     return indexed(reader(as_bytes(text), "f"));
 }
-std::string error_of(Result<ScatteredSamples> (*reader)(std::span<const std::byte>, const std::string&),
-                     std::string_view text) {
-    const auto samples = read(reader, text);
-    return samples ? "" : message(samples.error());
-}
 bool near_direction(Vec3f a, Vec3d b) { return near(a.x, b.x, 1e-6) && near(a.y, b.y, 1e-6) && near(a.z, b.z, 1e-6); }
 
 TEST(Cornell, ReadsSpectra) {
@@ -44,18 +39,18 @@ TEST(Cornell, ReadsSpectra) {
 }
 
 TEST(Cornell, ReportsErrors) {
-    EXPECT_CONTAINS(error_of(read_cornell, "x\n"),
+    EXPECT_CONTAINS(error_text(read(read_cornell, "x\n")),
                     "line 1: number of wavelengths: expected between 1 and 4096, found 'x'");
-    EXPECT_CONTAINS(error_of(read_cornell, "0\n"), "number of wavelengths");
-    EXPECT_CONTAINS(error_of(read_cornell, "2\n400\n"),
+    EXPECT_CONTAINS(error_text(read(read_cornell, "0\n")), "number of wavelengths");
+    EXPECT_CONTAINS(error_text(read(read_cornell, "2\n400\n")),
                     "wavelength 2 of 2: expected a number, found the end of the file");
-    EXPECT_CONTAINS(error_of(read_cornell, "2\n400 400\n"), "wavelengths: expected increasing ones");
-    EXPECT_CONTAINS(error_of(read_cornell, "1\n400\n0.1 0 0.1 0\n"),
+    EXPECT_CONTAINS(error_text(read(read_cornell, "2\n400 400\n")), "wavelengths: expected increasing ones");
+    EXPECT_CONTAINS(error_text(read(read_cornell, "1\n400\n0.1 0 0.1 0\n")),
                     "number 5 of a sample of 5: expected a number, found the end of");
-    EXPECT_CONTAINS(error_of(read_cornell, "1\n400\n0.1 0 0.1 0 1\n0.1 0 zero 0 1\n"),
+    EXPECT_CONTAINS(error_text(read(read_cornell, "1\n400\n0.1 0 0.1 0 1\n0.1 0 zero 0 1\n")),
                     "line 4: number 3 of a sample of 5");
-    EXPECT_CONTAINS(error_of(read_cornell, "1\n400\n"), "samples: expected at least one");
-    EXPECT_CONTAINS(error_of(read_cornell, "1\n400\n1.6 0 0 0 1\n0 0 0 0 nan\n"), "found 2 that are not");
+    EXPECT_CONTAINS(error_text(read(read_cornell, "1\n400\n")), "samples: expected at least one");
+    EXPECT_CONTAINS(error_text(read(read_cornell, "1\n400\n1.6 0 0 0 1\n0 0 0 0 nan\n")), "found 2 that are not");
 }
 
 TEST(Astm, ReadsColumnsByName) {
@@ -79,18 +74,18 @@ TEST(Astm, ReadsColumnsByName) {
 }
 
 TEST(Astm, ReportsErrors) {
-    EXPECT_CONTAINS(error_of(read_astm, ""), "a line VARS");
-    EXPECT_CONTAINS(error_of(read_astm, "VARS theta_i,phi_s,R,G,B\n"), "a column theta_s");
-    EXPECT_CONTAINS(error_of(read_astm, "VARS theta_i,theta_s,phi_s,R,G\n"),
+    EXPECT_CONTAINS(error_text(read(read_astm, "")), "a line VARS");
+    EXPECT_CONTAINS(error_text(read(read_astm, "VARS theta_i,phi_s,R,G,B\n")), "a column theta_s");
+    EXPECT_CONTAINS(error_text(read(read_astm, "VARS theta_i,theta_s,phi_s,R,G\n")),
                     "values R,G,B or X,Y,Z or one column, found 2 from 'R'");
-    EXPECT_CONTAINS(error_of(read_astm, "VARS theta_i,theta_i,theta_s,phi_s,Y\n"), "'theta_i' again");
-    EXPECT_CONTAINS(error_of(read_astm, "VARS theta_i,theta_s,phi_s,Y\n1,1,1\n"),
+    EXPECT_CONTAINS(error_text(read(read_astm, "VARS theta_i,theta_i,theta_s,phi_s,Y\n")), "'theta_i' again");
+    EXPECT_CONTAINS(error_text(read(read_astm, "VARS theta_i,theta_s,phi_s,Y\n1,1,1\n")),
                     "line 2: sample: expected 4 numbers, found 3");
-    EXPECT_CONTAINS(error_of(read_astm, "VARS theta_i,theta_s,phi_s,Y\n1,a,1,1\n"),
+    EXPECT_CONTAINS(error_text(read(read_astm, "VARS theta_i,theta_s,phi_s,Y\n1,a,1,1\n")),
                     "line 2: theta_s: expected a number, found 'a'");
-    EXPECT_CONTAINS(error_of(read_astm, "NUM_POINTS 2\nVARS theta_i,theta_s,phi_s,Y\n1,1,1,1\n"),
+    EXPECT_CONTAINS(error_text(read(read_astm, "NUM_POINTS 2\nVARS theta_i,theta_s,phi_s,Y\n1,1,1,1\n")),
                     "samples: expected 2 (NUM_POINTS), found 1");
-    EXPECT_CONTAINS(error_of(read_astm, "LAB_NAME x\n1,2,3\n"), "a line VARS before the samples");
+    EXPECT_CONTAINS(error_text(read(read_astm, "LAB_NAME x\n1,2,3\n")), "a line VARS before the samples");
 }
 
 /// A parameterization of ALTA: its numbers for a pair of directions. ALTA names the view first.
@@ -207,14 +202,14 @@ TEST(Alta, ReadsHeadersAndOutputs) {
     ASSERT_TRUE(with_cosine.ok()) << message(with_cosine.error());
     for (int c = 0; c < 3; ++c) EXPECT_WITHIN(with_cosine->colour[0][c], 0.5 * (1 << c), 1e-6);
 
-    EXPECT_CONTAINS(error_of(read_alta, "#DIM 2 1\n#PARAM_IN X\n"),
+    EXPECT_CONTAINS(error_text(read(read_alta, "#DIM 2 1\n#PARAM_IN X\n")),
                     "line 2: #PARAM_IN: expected one of CARTESIAN, SPHERICAL");
-    EXPECT_CONTAINS(error_of(read_alta, "#DIM 2 1\n#PARAM_IN CARTESIAN\n1 1 1\n"), "6 inputs for CARTESIAN");
-    EXPECT_CONTAINS(error_of(read_alta, "#PARAM_IN CARTESIAN\n1 1 1\n"), "a line #DIM before");
-    EXPECT_CONTAINS(error_of(read_alta, "#DIM 6 2\n#PARAM_IN CARTESIAN\n1 1 1 1 1 1 1 1\n"), "1 or 3 outputs");
-    EXPECT_CONTAINS(error_of(read_alta, "#DIM 6 1\n#PARAM_IN CARTESIAN\n0 0 1 0 0 1\n"),
+    EXPECT_CONTAINS(error_text(read(read_alta, "#DIM 2 1\n#PARAM_IN CARTESIAN\n1 1 1\n")), "6 inputs for CARTESIAN");
+    EXPECT_CONTAINS(error_text(read(read_alta, "#PARAM_IN CARTESIAN\n1 1 1\n")), "a line #DIM before");
+    EXPECT_CONTAINS(error_text(read(read_alta, "#DIM 6 2\n#PARAM_IN CARTESIAN\n1 1 1 1 1 1 1 1\n")), "1 or 3 outputs");
+    EXPECT_CONTAINS(error_text(read(read_alta, "#DIM 6 1\n#PARAM_IN CARTESIAN\n0 0 1 0 0 1\n")),
                     "line 3: number 7 of 7: expected a number, found the end of the line");
-    EXPECT_CONTAINS(error_of(read_alta, "#DIM 6 1\n#FORMAT binary\n"), "#FORMAT: expected text");
+    EXPECT_CONTAINS(error_text(read(read_alta, "#DIM 6 1\n#FORMAT binary\n")), "#FORMAT: expected text");
 }
 
 // If lights or viewers have one azimuth, only differences of azimuths are known, and few samples tell no more.
@@ -264,18 +259,19 @@ TEST(Angles, OutOfTheRangeOfTheirUnitAreErrors) {
     const std::string astm = "VARS theta_i,phi_i,theta_s,phi_s,Y\n0.1,0,0.2,0,1\n";
     const std::string cornell = "1\n550\n0.1 0 0.2 0 1\n";
     EXPECT_CONTAINS(
-        error_of(read_csv, csv + "0.1,0,10,0,1\n"),
+        error_text(read(read_csv, csv + "0.1,0,10,0,1\n")),
         "line 3: column 3, theta_v_rad: expected a polar angle within 3.142 radians (--columns names angles in "
         "degrees), found 10");
-    EXPECT_CONTAINS(error_of(read_csv, csv + "0.1,0,0.2,30,1\n"),
+    EXPECT_CONTAINS(error_text(read(read_csv, csv + "0.1,0,0.2,30,1\n")),
                     "column 4, phi_v_rad: expected an azimuth within 12.57 radians");
-    EXPECT_CONTAINS(error_of(read_csv, degrees + "400,0,1,0,1\n"),
+    EXPECT_CONTAINS(error_text(read(read_csv, degrees + "400,0,1,0,1\n")),
                     "line 3: column 1, theta_l_deg: expected a polar angle within 180");
-    EXPECT_CONTAINS(error_of(read_csv, degrees + "-999,0,1,0,1\n"), "theta_l_deg");
-    EXPECT_CONTAINS(error_of(read_astm, astm + "10,0,0.1,0,1\n"),
+    EXPECT_CONTAINS(error_text(read(read_csv, degrees + "-999,0,1,0,1\n")), "theta_l_deg");
+    EXPECT_CONTAINS(error_text(read(read_astm, astm + "10,0,0.1,0,1\n")),
                     "line 3: column 1, theta_i: expected a polar angle within 3.142");
-    EXPECT_CONTAINS(error_of(read_astm, astm + "0.1,0,0.1,80,1\n"), "line 3: column 4, phi_s: expected an azimuth");
-    EXPECT_CONTAINS(error_of(read_cornell, cornell + "0.1 0 10 0 1\n"),
+    EXPECT_CONTAINS(error_text(read(read_astm, astm + "0.1,0,0.1,80,1\n")),
+                    "line 3: column 4, phi_s: expected an azimuth");
+    EXPECT_CONTAINS(error_text(read(read_cornell, cornell + "0.1 0 10 0 1\n")),
                     "line 4: number 3 of a sample of 5: expected a polar angle");
     for (const auto& [name, row] : std::initializer_list<std::pair<std::string, std::string>>{
              {"4 1\n#PARAM_IN SPHERICAL_TL_PL_TV_PV", "10 0 0.1 0"},
@@ -284,7 +280,7 @@ TEST(Angles, OutOfTheRangeOfTheirUnitAreErrors) {
              {"4 1\n#PARAM_IN RUSIN_TH_PH_TD_PD", "0.1 0 10 0"},
              {"3 1\n#PARAM_IN RUSIN_TH_TD_PD", "0.1 0.1 180"},
              {"3 1\n#PARAM_IN SCHLICK_TL_TK_PROJ_DPHI", "10 0 0"}})
-        EXPECT_CONTAINS(error_of(read_alta, "#DIM " + name + "\n" + row + " 1\n"), "line 3: number ");
+        EXPECT_CONTAINS(error_text(read(read_alta, "#DIM " + name + "\n" + row + " 1\n")), "line 3: number ");
     const auto below = read(read_csv, csv + "0.1,0,1.6,0,1\n3.1,0,0.2,0,1\n-0.1,0,0.2,0,1\n");
     ASSERT_TRUE(below.ok()) << message(below.error());
     EXPECT_EQ(below->masked, 2u);
@@ -544,22 +540,23 @@ TEST(Csv, ReadsCommonLayouts) {
 }
 
 TEST(Csv, RefusesAmbiguousColumns) {
-    EXPECT_CONTAINS(error_of(read_csv, "theta_i,phi_i,theta_o,phi_o,brdf\n0.1,0,0.2,0,1\n"), "angles with their unit");
-    EXPECT_CONTAINS(error_of(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,r,g,b,r\n1,1,1,1,1,1,9\n"),
+    EXPECT_CONTAINS(error_text(read(read_csv, "theta_i,phi_i,theta_o,phi_o,brdf\n0.1,0,0.2,0,1\n")),
+                    "angles with their unit");
+    EXPECT_CONTAINS(error_text(read(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,r,g,b,r\n1,1,1,1,1,1,9\n")),
                     "columns 4 and 7, 'r' and 'r'");
-    EXPECT_CONTAINS(error_of(read_csv, "theta_l_deg,theta_i_deg,theta_v_deg,phi_v_deg,value\n"),
+    EXPECT_CONTAINS(error_text(read(read_csv, "theta_l_deg,theta_i_deg,theta_v_deg,phi_v_deg,value\n")),
                     "'theta_l_deg' and 'theta_i_deg'");
-    EXPECT_CONTAINS(error_of(read_csv, "theta_l_deg,theta_v_deg,value\n-30,30,1\n30,30,1\n"),
+    EXPECT_CONTAINS(error_text(read(read_csv, "theta_l_deg,theta_v_deg,value\n-30,30,1\n30,30,1\n")),
                     "phi_l_deg=0,phi_v_deg=0 in --columns");
     const std::string angles = "theta_l_deg,theta_v_deg,phi_v_deg,";
     EXPECT_CONTAINS(
-        error_of(read_csv, angles + "wavelength,r,g,b\n1,2,3,500,1,1,1\n1,2,3,600,1,1,1\n"),
+        error_text(read(read_csv, angles + "wavelength,r,g,b\n1,2,3,500,1,1,1\n1,2,3,600,1,1,1\n")),
         "line 3: wavelength: expected one in all rows, or one value in a row, or a column for each as 532nm");
-    EXPECT_CONTAINS(error_of(read_csv, angles + "value,brdf\n"), "found 'value' and 'brdf'");
-    EXPECT_CONTAINS(error_of(read_csv, angles + "brdf,550nm\n"), "found 'brdf' and '550nm'");
-    EXPECT_CONTAINS(error_of(read_csv, angles + "BRDF [dB]\n"), "found the unit of 'BRDF [dB]'");
-    EXPECT_CONTAINS(error_of(read_csv, "angle_deg,reflectance_percent\n"), "theta_both_deg");
-    EXPECT_CONTAINS(error_of(read_csv, "theta_v_deg,phi_v_deg,value\n1,2,3\n"),
+    EXPECT_CONTAINS(error_text(read(read_csv, angles + "value,brdf\n")), "found 'value' and 'brdf'");
+    EXPECT_CONTAINS(error_text(read(read_csv, angles + "brdf,550nm\n")), "found 'brdf' and '550nm'");
+    EXPECT_CONTAINS(error_text(read(read_csv, angles + "BRDF [dB]\n")), "found the unit of 'BRDF [dB]'");
+    EXPECT_CONTAINS(error_text(read(read_csv, "angle_deg,reflectance_percent\n")), "theta_both_deg");
+    EXPECT_CONTAINS(error_text(read(read_csv, "theta_v_deg,phi_v_deg,value\n1,2,3\n")),
                     "theta_l_deg=30 in --columns, found no theta_l");
     for (const char* wrong : {"phi_l=180", "phi_l_deg=x", "theta_l_deg=400", "value=1", "theta_l_deg=1"}) {
         const auto measured =
@@ -601,16 +598,17 @@ TEST(Csv, ReadsOtherLayouts) {
 }
 
 TEST(Csv, ReportsErrors) {
-    EXPECT_CONTAINS(error_of(read_csv, ""), "names of columns, found an empty file");
-    EXPECT_CONTAINS(error_of(read_csv, "theta_l,phi_l,theta_v,phi_v,r,g,b\n"), "angles with their unit");
-    EXPECT_CONTAINS(error_of(read_csv, "theta_l_deg,phi_l_deg,theta_v_deg,r,g,b\n"), "no phi_v");
-    EXPECT_CONTAINS(error_of(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,a,b\n"), "values in columns r,g,b");
-    EXPECT_CONTAINS(error_of(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,600nm,500nm\n"), "increasing wavelengths");
-    EXPECT_CONTAINS(error_of(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,value\n1,2,3\n"),
+    EXPECT_CONTAINS(error_text(read(read_csv, "")), "names of columns, found an empty file");
+    EXPECT_CONTAINS(error_text(read(read_csv, "theta_l,phi_l,theta_v,phi_v,r,g,b\n")), "angles with their unit");
+    EXPECT_CONTAINS(error_text(read(read_csv, "theta_l_deg,phi_l_deg,theta_v_deg,r,g,b\n")), "no phi_v");
+    EXPECT_CONTAINS(error_text(read(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,a,b\n")), "values in columns r,g,b");
+    EXPECT_CONTAINS(error_text(read(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,600nm,500nm\n")),
+                    "increasing wavelengths");
+    EXPECT_CONTAINS(error_text(read(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,value\n1,2,3\n")),
                     "line 2: sample: expected 4 numbers, found 3");
-    EXPECT_CONTAINS(error_of(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,value\n1,2,3,x\n"),
+    EXPECT_CONTAINS(error_text(read(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,value\n1,2,3,x\n")),
                     "line 2: column 4: expected a number, found 'x'");
-    EXPECT_CONTAINS(error_of(read_csv, "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0,1,0,1,1,1\n"),
+    EXPECT_CONTAINS(error_text(read(read_csv, "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0,1,0,1,1,1\n")),
                     "line 2: direction wv: expected length 1");
 }
 

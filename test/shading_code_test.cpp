@@ -206,20 +206,20 @@ void expect_equal(const Answers& answers, const std::string& language) {
     EXPECT_LE(double(wrong_samples), 0.001 * double(library.size())) << language;
 }
 
-/// Statements that evaluate a model: `write(k, vector, number)` stores answer k of three.
-std::string answer_text(std::size_t m, const std::string& zero, const auto& write) {
+/// Statements that evaluate a model: `store(k, vector, number)` stores answer k of three.
+std::string answer_text(std::size_t m, const std::string& zero, const auto& store) {
     const std::string name = name_of(m);
-    return write(0, name + "_value_pdf(wl, wv).value", name + "_value_pdf(wl, wv).pdf") +
-           write(1, fmt::format("{0}_sample(wv, u.x, u.y, u.z)", name),
+    return store(0, name + "_value_pdf(wl, wv).value", name + "_value_pdf(wl, wv).pdf") +
+           store(1, fmt::format("{0}_sample(wv, u.x, u.y, u.z)", name),
                  fmt::format("{0}_pdf({0}_sample(wv, u.x, u.y, u.z), wv)", name)) +
-           write(2, name + "_albedo(wv.z)", zero);
+           store(2, name + "_albedo(wv.z)", zero);
 }
 /// Returns the text of the answers for all models, which are numbered consecutively.
-std::string answers_text(const std::string& zero, const auto& write) {
+std::string answers_text(const std::string& zero, const auto& store) {
     std::string text;
     for (std::size_t m = 0; m < models().size(); ++m)
         text += answer_text(m, zero, [&](std::size_t k, const std::string& three, const std::string& number) {
-            return write(3 * m + k, three, number);
+            return store(3 * m + k, three, number);
         });
     return text;
 }
@@ -230,7 +230,7 @@ class ShadingCode : public WrittenCode {
     /// on it.
     void expect_compiled(const std::string& compiler, const std::string& header, const std::string& vector,
                          const std::string& name, const std::string& level = "-O0") {
-        const auto write = [](std::size_t k, const std::string& three, const std::string& number) {
+        const auto store = [](std::size_t k, const std::string& three, const std::string& number) {
             return fmt::format(
                 "        w = {}; r[4 * {} + 3] = {};\n        r[4 * {}] = w.x; r[4 * {} + 1] = w.y; r[4 * {} + 2] = "
                 "w.z;\n",
@@ -246,7 +246,7 @@ class ShadingCode : public WrittenCode {
                                           "        wl.x = q[0], wl.y = q[1], wl.z = q[2], wv.x = q[4], wv.y = q[5];\n"
                                           "        wv.z = q[6], u.x = q[8], u.y = q[9], u.z = q[10];\n{1}"
                                           "        q += 12, r += {2};\n    }}\n}}\n",
-                                          vector, answers_text("0.0f", write), 12 * models().size()),
+                                          vector, answers_text("0.0f", store), 12 * models().size()),
                      level);
         ASSERT_TRUE(library);
         const auto answer = function<void(const float*, float*, int)>(library, "answer");
@@ -363,13 +363,13 @@ Answers run_shaders(const std::vector<std::string>& shaders) {
 
 /// The body of such a shader's main function.
 std::string shader_body(std::size_t m, const std::string& vec3, const std::string& vec4) {
-    const auto write = [&](std::size_t k, const std::string& three, const std::string& number) {
+    const auto store = [&](std::size_t k, const std::string& three, const std::string& number) {
         return fmt::format("    answers[3 * i + {}] = {}({}, {});\n", k, vec4, three, number);
     };
     return fmt::format(
                "    {0} wl = questions[3 * i].xyz, wv = questions[3 * i + 1].xyz, u = questions[3 * i + 2].xyz;\n",
                vec3) +
-           answer_text(m, "0.0", write);
+           answer_text(m, "0.0", store);
 }
 
 TEST_F(ShadingCode, RunsAsGlsl) {
@@ -416,7 +416,7 @@ TEST_F(ShadingCode, RunsAsHlsl) {
                 shader_body(m, "float3", "float4") + "}\n"));
         ASSERT_TRUE(runs(fmt::format("'{}' '{}' --version 450 --no-es --output '{}'", SRBF_SPIRV_CROSS,
                                      path("code.spv"), path("code.glsl"))));
-        shaders.push_back(contents(path("code.glsl")));
+        shaders.push_back(read_text(path("code.glsl")));
     }
     expect_equal(run_shaders(shaders), "hlsl");
 }
@@ -424,7 +424,7 @@ TEST_F(ShadingCode, RunsAsHlsl) {
 
 /// The exported code of a BSDF, with names that differ from those of `code`.
 std::string bsdf_in_wgsl() {
-    const Model model{full_bsdf(), {}};
+    const Model model{lobe_bsdf_with_beams(), {}};
     const auto text =
         shading_code(std::vector<NamedModel>{{"b", &model}}, "b", {.language = CodeLanguage::wgsl, .sampling = true});
     return text ? *text : message(text.error());
@@ -432,7 +432,7 @@ std::string bsdf_in_wgsl() {
 
 /// Runs in a browser's WebGPU.
 TEST_F(ShadingCode, RunsAsWgsl) {
-    const auto write = [&](std::size_t k, const std::string& three, const std::string& number) {
+    const auto store = [&](std::size_t k, const std::string& three, const std::string& number) {
         return fmt::format("    answers[{}u * i + {}u] = vec4f({}, {});\n", 3 * models().size(), k, three, number);
     };
     written("code.wgsl",
@@ -442,7 +442,7 @@ TEST_F(ShadingCode, RunsAsWgsl) {
                 "@compute @workgroup_size(64) fn main(@builtin(global_invocation_id) at: vec3u) {\n    let i = at.x;\n"
                 "    let wl = questions[3 * i].xyz;\n    let wv = questions[3 * i + 1].xyz;\n"
                 "    let u = questions[3 * i + 2].xyz;\n" +
-                answers_text("0.0", write) + "}\n");
+                answers_text("0.0", store) + "}\n");
     written("plain.wgsl",
             code(CodeLanguage::wgsl, false) + code_of_extras(CodeLanguage::wgsl) + bsdf_in_wgsl() +
                 map_code_in(CodeLanguage::wgsl) +
@@ -459,10 +459,10 @@ TEST_F(ShadingCode, RunsAsWgsl) {
         fmt::format("PYTHONDONTWRITEBYTECODE=1 python3 '{}/test/wgsl.py' '{}' {} > '{}' 2>&1", SRBF_SOURCE_DIR,
                     folder_.path.string(), models().size() * sizeof(Answer) / sizeof(Question), path("output"))
             .c_str());
-    const std::string output = contents(path("output"));
+    const std::string output = read_text(path("output"));
     if (WIFEXITED(status) && WEXITSTATUS(status) == 77) GTEST_SKIP() << output;
     ASSERT_EQ(status, 0) << output;
-    bytes = contents(path("answers"));
+    bytes = read_text(path("answers"));
     Answers answers(bytes.size() / sizeof(Answer));
     std::memcpy(answers.data(), bytes.data(), answers.size() * sizeof(Answer));
     expect_equal(answers, "wgsl");
@@ -601,7 +601,7 @@ TEST(ShadingCodeText, RejectsUnsupportedModels) {
     };
     expect_error(shading_code(named, "su", {.sampling = true}));
     expect_error(shading_code(named, "su", {.language = CodeLanguage::msl}));
-    const Model bsdf{full_bsdf(), {}};
+    const Model bsdf{lobe_bsdf_with_beams(), {}};
     for (const CodeModule& module : code_modules()) {
         expect_error(module.text(named, "su", 0));
         if (module.of_parts) expect_error(module.text(std::vector<NamedModel>{{"bsdf", &bsdf}}, "bsdf", 0));

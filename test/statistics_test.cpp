@@ -59,14 +59,14 @@ TEST(Statistics, SidakKeepsTheWholeSignificance) {
 TEST(Statistics, PolarBinsCoverTheSphereOnce) {
     std::mt19937_64 random(3);
     const PolarBins bins{random_direction(random), {0, 1e-3, 0.1, 1, 2}, 5};
-    const auto mass = bins.masses([](Vec3d) { return 1.0; }, 4);
+    const auto mass = bins.integrals([](Vec3d) { return 1.0; }, 4);
     for (std::size_t bin = 0; bin < bins.size(); ++bin) {
         const std::size_t ring = bin / 5;
         EXPECT_WITHIN_RELATIVE(mass[bin], 2 * k_pi / 5 * (bins.edge[ring + 1] - bins.edge[ring]), 1e-12);
     }
     // Each quadrature point lies in its own bin.
     std::vector<std::size_t> visits(bins.size());
-    bins.masses([&](Vec3d w) { return ++visits[bins.index(w)], 1.0; }, 4);
+    bins.integrals([&](Vec3d w) { return ++visits[bins.index(w)], 1.0; }, 4);
     for (const std::size_t v : visits) EXPECT_EQ(v, 16u);
 }
 

@@ -50,8 +50,8 @@ std::map<std::string, Model> models_of_today() {
     brushed.specular_roughness_anisotropy = 0.7f, brushed.specular_rotation = 0.1f;
     all["openpbr_brushed"] = {rounded(brushed), {}};
     all["openpbr_film"] = {rounded(OpenPbrModel{.base_metalness = 0.5f, .thin_film_weight = 0.75f}), {}};
-    all["bsdf"] = {full_bsdf(), {}};
-    all["bsdf_turned"] = {full_bsdf(), {}};  // whose beams depend on azimuth
+    all["bsdf"] = {lobe_bsdf_with_beams(), {}};
+    all["bsdf_turned"] = {lobe_bsdf_with_beams(), {}};  // whose beams depend on azimuth
     return all;
 }
 
@@ -75,7 +75,7 @@ std::string csv_of(const std::vector<Rgb>& values) {
 }
 
 std::vector<Rgb> values_in(const fs::path& csv) {
-    const std::string text = contents(csv);
+    const std::string text = read_text(csv);
     std::vector<Rgb> values;
     std::vector<std::string_view> fields;
     for (Lines lines(text); auto line = lines.next();) {
@@ -97,7 +97,7 @@ void write_missing() {
         ASSERT_TRUE(write_file(file.string(), bytes).ok());
         const auto loaded = load_brdf(file.string());
         ASSERT_TRUE(loaded.ok()) << message(loaded.error());
-        write(folder / (name + ".csv"), csv_of(values_of(*loaded)));
+        write_text(folder / (name + ".csv"), csv_of(values_of(*loaded)));
     };
     for (const auto& [name, model] : models_of_today()) add(name, write_model(model));
 }

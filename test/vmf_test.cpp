@@ -43,7 +43,7 @@ TYPED_TEST(VmfOf, DensityIntegratesToOne) {
         for (const Vec3d& centre : k_centres) {
             double sum = 0;
             const auto pdf = [&](Vec3d w) { return this->pdf(w, centre, bandwidth); };
-            for (const double mass : bins_about(centre, bandwidth).masses(pdf)) sum += mass;
+            for (const double mass : bins_about(centre, bandwidth).integrals(pdf)) sum += mass;
             EXPECT_WITHIN(sum, 1, 5e-4) << bandwidth;
         }
     }

@@ -15,12 +15,12 @@ class BsdfCommand : public CommandLine {
   protected:
     static void SetUpTestSuite() {
         shared = std::make_unique<TemporaryFolder>();
-        write(*shared / "shade.xml", small_shade());
-        write(
+        write_text(*shared / "shade.xml", small_shade());
+        write_text(
             *shared / "p.csv",
             "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0.6,-0.8\n0,0,-1,0,0.6,0.8\n0,0,-1,0,0.6,-0.8\n0,0,1,0,0.6,0.8\n");
-        fitted = run(*shared, {"fit", "shade.xml", "--lobes", "1", "--variates", "2", "--axial", "--threads", "1",
-                               "--json", "r.json"});
+        fitted = run_srbf(*shared, {"fit", "shade.xml", "--lobes", "1", "--variates", "2", "--axial", "--threads", "1",
+                                    "--json", "r.json"});
     }
     static void TearDownTestSuite() { shared.reset(); }
     void SetUp() override { std::filesystem::copy(shared->path, folder.path); }
@@ -31,7 +31,7 @@ class BsdfCommand : public CommandLine {
 
 TEST_F(BsdfCommand, FitsAndEvaluatesBothSides) {
     ASSERT_EQ(fitted.status, 0) << fitted.err;
-    const Json report = Json::parse(contents(folder / "r.json"));
+    const Json report = Json::parse(read_text(folder / "r.json"));
     EXPECT_EQ(report["model"], "bsdf");
     EXPECT_EQ(report["band"], "Visible");
     ASSERT_EQ(report["parts"].size(), 4u);
@@ -42,7 +42,7 @@ TEST_F(BsdfCommand, FitsAndEvaluatesBothSides) {
     EXPECT_TRUE(is_two_sided(*model));
     EXPECT_EQ(report["payload_bytes"], payload_bytes(std::get<Model>(*model)));
 
-    const ProgramRun values = run(folder, {"eval", "shade.srbf", "--pairs", "p.csv"});
+    const ProgramRun values = run_srbf(folder, {"eval", "shade.srbf", "--pairs", "p.csv"});
     ASSERT_EQ(values.status, 0) << values.err;
     std::vector<double> green;
     for (Lines lines(values.out); auto line = lines.next();) {
@@ -56,12 +56,13 @@ TEST_F(BsdfCommand, FitsAndEvaluatesBothSides) {
     EXPECT_WITHIN(green[1], 0.05, 2e-3);
     EXPECT_WITHIN_RELATIVE(green[2], 2 * green[3], 0.1);
 
-    const ProgramRun info = run(folder, {"info", "shade.srbf"}), file_info = run(folder, {"info", "shade.xml"});
+    const ProgramRun info = run_srbf(folder, {"info", "shade.srbf"}),
+                     file_info = run_srbf(folder, {"info", "shade.xml"});
     EXPECT_CONTAINS(info.out, "transmission_back: by reciprocity");
     EXPECT_CONTAINS(info.out, "transmission: 0.08002 at 0°");
     EXPECT_CONTAINS(file_info.out, "Visible (here), Solar");
     const ProgramRun solar =
-        run(folder, {"fit", "shade.xml", "--band", "solar", "--lobes", "1", "--axial", "--json", "-"});
+        run_srbf(folder, {"fit", "shade.xml", "--band", "solar", "--lobes", "1", "--axial", "--json", "-"});
     EXPECT_EQ(Json::parse(solar.out)["band"], "Solar") << solar.err;
     expect_failure(1, {"fit", "shade.xml", "--band", "x"}, "shade.xml: band of wavelengths: expected Visible or Solar");
     expect_failure(1, {"fit", k_paper, "--band", "Solar"}, "expected a measurement in bands");
@@ -69,7 +70,7 @@ TEST_F(BsdfCommand, FitsAndEvaluatesBothSides) {
 
 TEST_F(BsdfCommand, ComparesConvertsAndExports) {
     ASSERT_EQ(fitted.status, 0) << fitted.err;
-    const ProgramRun compared = run(folder, {"compare", "shade.xml", "shade.srbf", "--json", "-"});
+    const ProgramRun compared = run_srbf(folder, {"compare", "shade.xml", "shade.srbf", "--json", "-"});
     ASSERT_EQ(compared.status, 0) << compared.err;
     const Json errors = Json::parse(compared.out);
     for (const std::string_view part : k_part_names)
@@ -79,11 +80,11 @@ TEST_F(BsdfCommand, ComparesConvertsAndExports) {
         expect_failure(1, {"convert", "shade.srbf", "-o", output}, "expected a BSDF without beams");
     for (const char* output : {"o.binary", "o.bsdf"})
         expect_failure(1, {"convert", "shade.srbf", "-o", output}, "expected a BRDF");
-    ASSERT_EQ(run(folder, {"export", "shade.srbf", "--to", "c", "-o", "shade.h"}).status, 0);
-    const std::string code = contents(folder / "shade.h");
+    ASSERT_EQ(run_srbf(folder, {"export", "shade.srbf", "--to", "c", "-o", "shade.h"}).status, 0);
+    const std::string code = read_text(folder / "shade.h");
     if (is_offered({"html"})) {
-        ASSERT_EQ(run(folder, {"export", "shade.srbf", "--to", "html", "-o", "shade.html"}).status, 0);
-        EXPECT_CONTAINS(contents(folder / "shade.html"), "name='behind'");
+        ASSERT_EQ(run_srbf(folder, {"export", "shade.srbf", "--to", "html", "-o", "shade.html"}).status, 0);
+        EXPECT_CONTAINS(read_text(folder / "shade.html"), "name='behind'");
     }
     expect_failure(1, {"export", "shade.srbf", "--to", "html", "--reference", "shade.xml", "-o", "x.html"},
                    "expected a measurement of a BRDF");
@@ -95,8 +96,8 @@ TEST_F(BsdfCommand, ComparesConvertsAndExports) {
     BsdfModel film;  // each part takes seconds
     film.part[std::size_t(Part::transmission_front)] = random_part(1, {.lobes = 1});
     ASSERT_TRUE(save_model({film, {}}, folder / "film.srbf").ok());
-    ASSERT_EQ(run(folder, {"export", "film.srbf", "--to", "three", "-o", "film.js"}).status, 0);
-    EXPECT_CONTAINS(contents(folder / "film.js"), "class FilmTransmissionFrontMaterial");
+    ASSERT_EQ(run_srbf(folder, {"export", "film.srbf", "--to", "three", "-o", "film.js"}).status, 0);
+    EXPECT_CONTAINS(read_text(folder / "film.js"), "class FilmTransmissionFrontMaterial");
 }
 
 TEST_F(BsdfCommand, FitsViewByViewAndByLambertAndGgx) {
@@ -104,9 +105,9 @@ TEST_F(BsdfCommand, FitsViewByViewAndByLambertAndGgx) {
         std::vector<std::string> fit{"fit",           "shade.xml", "--model", model,    "-o",
                                      model + ".srbf", "--threads", "1",       "--json", model + ".json"};
         if (model == "su") fit.insert(fit.end(), {"--directions", "96", "--lobes", "2"});
-        const ProgramRun fit_run = run(folder, fit);
+        const ProgramRun fit_run = run_srbf(folder, fit);
         ASSERT_EQ(fit_run.status, 0) << fit_run.err;
-        const Json report = Json::parse(contents(folder / (model + ".json")));
+        const Json report = Json::parse(read_text(folder / (model + ".json")));
         ASSERT_EQ(report["parts"].size(), 4u);
         for (const Json& part : report["parts"])  // the matrix is piecewise constant
             EXPECT_LT(part["squared_error_ratio"], 0.05) << model << part["part"];
@@ -121,7 +122,7 @@ TEST_F(BsdfCommand, FitsViewByViewAndByLambertAndGgx) {
               {"export", model + ".srbf", "--to", "html", "-o", model + ".html"},
               {"render", model + ".srbf", "--size", "16x12", "--spp", "1", "-o", model + ".png"}}) {
             if (!is_offered(command)) continue;
-            const ProgramRun command_run = run(folder, command);
+            const ProgramRun command_run = run_srbf(folder, command);
             EXPECT_EQ(command_run.status, 0) << command_run.err;
         }
         EXPECT_EQ(std::filesystem::exists(folder / (model + "_reflection_front.data")), model == "su");
@@ -138,12 +139,12 @@ TEST_F(BsdfCommand, RefusesModelsOfOneSide) {
 }
 
 TEST_F(BsdfCommand, FitsAShadeAmongOtherFiles) {
-    write(folder / "other.xml", small_shade());
-    write(folder / "bad.xml", small_shade().substr(0, 2000));
+    write_text(folder / "other.xml", small_shade());
+    write_text(folder / "bad.xml", small_shade().substr(0, 2000));
     const std::vector<std::string> command{"fit", "shade.xml", "other.xml", "bad.xml", k_paper,
                                            "-o",  "models",    "--lobes",   "1",       "--variates",
                                            "2",   "--axial",   "--threads", "2",       "--resume"};
-    const ProgramRun first = run(folder, command), second = run(folder, command);
+    const ProgramRun first = run_srbf(folder, command), second = run_srbf(folder, command);
     EXPECT_EQ(first.status, 1);
     EXPECT_CONTAINS(first.err, "bad.xml");
     EXPECT_CONTAINS(first.out, "3 fitted");
@@ -152,15 +153,15 @@ TEST_F(BsdfCommand, FitsAShadeAmongOtherFiles) {
     const auto alone = load_model(folder / "shade.srbf"), among = load_model(folder / "models/shade.srbf");
     ASSERT_TRUE(alone.ok() && among.ok());
     EXPECT_EQ(write_model({alone->model, {}}), write_model({among->model, {}}));
-    const Json report = Json::parse(contents(folder / "models/other.json"));
+    const Json report = Json::parse(read_text(folder / "models/other.json"));
     EXPECT_EQ(report["parts"].size(), 4u);
 }
 
 TEST_F(BsdfCommand, AShadeLetsLightIntoARoom) {
     if (!is_offered({"render"})) GTEST_SKIP() << "without srbf render";
     ASSERT_EQ(fitted.status, 0) << fitted.err;
-    const ProgramRun drawn = run(folder, {"render", "shade.xml", "shade.srbf", "--scene", "room", "--size", "24x16",
-                                          "--spp", "16", "-o", "room.exr"});
+    const ProgramRun drawn = run_srbf(folder, {"render", "shade.xml", "shade.srbf", "--scene", "room", "--size",
+                                               "24x16", "--spp", "16", "-o", "room.exr"});
     ASSERT_EQ(drawn.status, 0) << drawn.err;
     expect_failure(2, {"render", "shade.xml", "--scene", "garden", "-o", "x.png"}, "--scene");
 }

@@ -72,7 +72,7 @@ Said run_script(const char* name, const TemporaryFolder& folder) {
                                                "'{0}/extras/environment/test/{1}' '{2}' > '{3}' 2>&1",
                                                SRBF_SOURCE_DIR, name, folder.path.string(), (folder / "said").string())
                                        .c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(folder / "said")};
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(folder / "said")};
 }
 
 /// Models of three classes of material, and one that is only in the module.
@@ -138,13 +138,13 @@ TEST(Three, DrawsThePictureOfTheDesktop) {
     const TemporaryFolder folder;
     const auto module = three_module(named, "materials"), one = three_module(std::span(named).first(1), "film");
     ASSERT_TRUE(module && one);
-    write(folder / "materials.js", *module);
-    write(folder / "film.js", *one);
+    write_text(folder / "materials.js", *module);
+    write_text(folder / "film.js", *one);
     for (const char* name : {"three.module.js", "three.core.js"}) fs::copy_file(three / name, folder / name);
     fs::copy_file(fs::path(SRBF_SOURCE_DIR) / "examples" / "three.html", folder / "three.html");
     Expected expected;
     add_rasterized(expected, models, context->dialect());
-    write(folder / "scenes.json", expected.scenes.dump());
+    write_text(folder / "scenes.json", expected.scenes.dump());
 
     const Said said = run_script("three.py", folder);
     if (said.status == 77) GTEST_SKIP() << said.text;
@@ -160,7 +160,7 @@ TEST(Three, DrawsThePictureOfTheDesktop) {
     EXPECT_EQ(result["blend"]["chosen"], 2);  // both materials of a mask are seen
     EXPECT_EQ(result["blend"]["compiled"], 0);
     for (std::size_t i = 0; i < expected.pictures.size(); ++i)
-        EXPECT_GE(psnr(contents(folder / fmt::format("{}.rgba", i)), expected.pictures[i], expected.covered[i]), 45)
+        EXPECT_GE(psnr(read_text(folder / fmt::format("{}.rgba", i)), expected.pictures[i], expected.covered[i]), 45)
             << i;
 }
 
@@ -322,12 +322,12 @@ void expect_filtered(const std::vector<Float4>& pixels, const MapScene& scene, c
 
 /// The modules and the textures of the maps.
 void write_maps(const TemporaryFolder& folder, const TexelMap& map, const TexelMap& fine, const TexelMap& constant) {
-    write(folder / "map.js", *three_map_module(map, "map", "map.ktx2"));
-    write(folder / "constant.js", *three_map_module(constant, "constant", "constant.ktx2"));
+    write_text(folder / "map.js", *three_map_module(map, "map", "map.ktx2"));
+    write_text(folder / "constant.js", *three_map_module(constant, "constant", "constant.ktx2"));
     const std::string module_of_fine = *three_map_module(fine, "fine", "fine.ktx2");
     for (const std::string name : {"fine", "bytes"}) {  // which differ in their textures
         std::string text = module_of_fine;
-        write(folder / (name + ".js"), text.replace(text.find("fine.ktx2"), 4, name));
+        write_text(folder / (name + ".js"), text.replace(text.find("fine.ktx2"), 4, name));
     }
     for (const auto& [name, texels, numbers] : {std::tuple("map", &map, LayerNumbers::halves),
                                                 {"fine", &fine, LayerNumbers::halves},
@@ -349,12 +349,12 @@ TEST(Three, ShowsAMapAsItsTexels) {
 
     const TemporaryFolder folder;
     for (const char* name : {"three.module.js", "three.core.js"}) fs::copy_file(three / name, folder / name);
-    write(folder / "alone.js", *three_module(std::span(&named, 1), "alone"));
+    write_text(folder / "alone.js", *three_module(std::span(&named, 1), "alone"));
     ASSERT_NO_FATAL_FAILURE(write_maps(folder, map, fine, constant));
     const std::vector<MapScene> scenes = map_scenes();
     Json all;
     for (const MapScene& scene : scenes) all.push_back(scene.json);
-    write(folder / "scenes.json", all.dump());
+    write_text(folder / "scenes.json", all.dump());
     const Said said = run_script("three_map.py", folder);
     if (said.status == 77) GTEST_SKIP() << said.text;
     ASSERT_EQ(said.status, 0) << said.text;
@@ -364,7 +364,7 @@ TEST(Three, ShowsAMapAsItsTexels) {
     EXPECT_EQ(checks["is_loaded"], true);
     EXPECT_EQ(checks["share_a_program"], false);
 
-    const auto drawn = [&](std::size_t i) { return floats(contents(folder / fmt::format("{}.rgba", i))); };
+    const auto drawn = [&](std::size_t i) { return floats(read_text(folder / fmt::format("{}.rgba", i))); };
     for (std::size_t i = 0; i < k_first_constant; ++i) {
         SCOPED_TRACE(i);
         const std::string module_name = scenes[i].json["module"];

@@ -46,19 +46,19 @@ class MapFiles : public testing::Test {
             const Vec3f l = pairs.wl[i], v = pairs.wv[i];
             csv += fmt::format("{},{},{},{},{},{}\n", l.x, l.y, l.z, v.x, v.y, v.z);
         }
-        write(folder / "p.csv", csv);
+        write_text(folder / "p.csv", csv);
         f = blends(pairs, k_texels);
         write_npy("t.npy", fmt::format("({}, {}, 3)", k_texels, k_pairs), {&f[0].r, 3 * f.size()});
     }
     void write_npy(const char* name, const std::string& shape, std::span<const float> numbers) {
         const std::string header = fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': {}, }}\n", shape);
-        write(folder / name,
-              npy(header, 0) + std::string(reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()));
+        write_text(folder / name,
+                   npy(header, 0) + std::string(reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()));
     }
     ProgramRun map(std::vector<std::string> arguments) const {
         arguments.insert(arguments.begin(), "map");
         arguments.insert(arguments.end(), {"--lobes", "3", "--variates", "2", "--threads", "2", "-o", "m.srbf"});
-        return run(folder, arguments);
+        return run_srbf(folder, arguments);
     }
     static constexpr std::size_t k_texels = 8;
     std::vector<Rgb> f;
@@ -69,7 +69,7 @@ TEST_F(MapFiles, TexelsShareLobes) {
     const ProgramRun done = map({"t.npy", "--pairs", "p.csv", "--width", "4"});
     ASSERT_EQ(done.status, 0) << done.err;
     EXPECT_CONTAINS(done.out, "8 texels of 3 shared lobes");
-    const auto made = read_map(as_bytes(contents(folder / "m.srbf")), "m");
+    const auto made = read_map(as_bytes(read_text(folder / "m.srbf")), "m");
     ASSERT_TRUE(made) << message(made.error());
     EXPECT_EQ(std::pair(made->width, made->height()), std::pair(std::size_t(4), std::size_t(2)));
     for (const float error : made->error) EXPECT_LT(error, 0.5f);
@@ -87,7 +87,7 @@ TEST_F(MapFiles, NumbersForNoValueAreAsGoodAsNan) {
         const ProgramRun done = map({"t.npy", "--pairs", "p.csv"});
         ASSERT_EQ(done.status, 0) << done.err;
         EXPECT_EQ(done.err.find("-999, which stands for no value") != done.err.npos, number < 0) << done.err;
-        maps[number < 0] = contents(folder / "m.srbf");
+        maps[number < 0] = read_text(folder / "m.srbf");
     }
     EXPECT_EQ(maps[0], maps[1]);
 }
@@ -100,7 +100,7 @@ TEST_F(MapFiles, MasksPaintMaterials) {
     const ProgramRun done = map({paper, film, "--masks", "m.npy"});
     ASSERT_EQ(done.status, 0) << done.err;
     EXPECT_CONTAINS(done.out, "4 × 1 texels of 2 materials");
-    const auto made = read_map(as_bytes(contents(folder / "m.srbf")), "m");
+    const auto made = read_map(as_bytes(read_text(folder / "m.srbf")), "m");
     ASSERT_TRUE(made) << message(made.error());
     const auto beta = [&](std::size_t t, std::size_t j) { return made->coefficient[t * 3 + j]; };
     for (std::size_t j = 0; j < 3; ++j)

@@ -17,10 +17,6 @@ namespace {
 Result<Measured> read(const std::string& text, const ReadOptions& options = {}) {
     return read_measured(as_bytes(text), "f", options);
 }
-std::string error_of(const std::string& text, const ReadOptions& options = {}) {
-    const auto measured = read(text, options);
-    return measured ? "" : message(measured.error());
-}
 
 /// A lobe several degrees wide around the mirror direction, over a floor that rises with the cosine of the viewer.
 double lobe(Vec3f wl, Vec3f wv) { return 0.02 * double(wv.z) + 0.5 * std::exp(60 * (double(dot(mirror(wl), wv)) - 1)); }
@@ -145,7 +141,7 @@ TEST(Zemax, ColoursAreTristimulusValues) {
     ASSERT_TRUE(again.ok()) << message(again.error());
     EXPECT_EQ(write_zemax(*own_table<ScatterTable>(*again)), written);
     EXPECT_EQ(own_table<ScatterTable>(*again)->channels, 3u);
-    EXPECT_CONTAINS(error_of(text.substr(0, text.find("TristimulusZ"))), "TristimulusZ, found the end");
+    EXPECT_CONTAINS(error_text(read(text.substr(0, text.find("TristimulusZ")))), "TristimulusZ, found the end");
 }
 
 /// f = 0.1 (1 + 0.8 cos 2(φ_l − 30°)) depends on the light's azimuth only, to test the sense of rotation of each
@@ -292,10 +288,11 @@ TEST(Speos, ReadsFilesByWavelength) {
     EXPECT_LT(f.g, 0.3f / float(k_pi));
 
     const std::string text = spectral_speos({{0.1, 10}, {0.3, 30}}, true);
-    EXPECT_CONTAINS(error_of(text.substr(0, text.rfind("\n3\t2")) + "\n3\t2\n\t0\t180\n90 1 1\n135 1 1\n180 1 1\n"),
-                    "those of the first wavelength");
+    EXPECT_CONTAINS(
+        error_text(read(text.substr(0, text.rfind("\n3\t2")) + "\n3\t2\n\t0\t180\n90 1 1\n135 1 1\n180 1 1\n")),
+        "those of the first wavelength");
     for (std::size_t size = 0; size + 4 < text.size(); size += 29)
-        EXPECT_NE(error_of(text.substr(0, size)), "") << size;
+        EXPECT_NE(error_text(read(text.substr(0, size))), "") << size;
 }
 
 TEST(Scatter, RefusesBadFiles) {
@@ -316,21 +313,21 @@ TEST(Scatter, RefusesBadFiles) {
         std::string text = k_zemax;
         const auto position = text.find(what);
         ASSERT_NE(position, text.npos) << what;
-        const std::string found = error_of(text.replace(position, what.size(), replacement));
+        const std::string found = error_text(read(text.replace(position, what.size(), replacement)));
         EXPECT_CONTAINS(found, error) << what;
         EXPECT_LACKS(found, "\n");
     }
     for (std::size_t size = 0; size + 2 < k_zemax.size(); ++size)
-        EXPECT_NE(error_of(k_zemax.substr(0, size)), "") << size;
+        EXPECT_NE(error_text(read(k_zemax.substr(0, size))), "") << size;
     ScatterTable table = to_scatter(lobe_brdf(), false, true, 1);
     table.slices.resize(1), table.first = {0, 1};
     const ScatterTable* const one[] = {&table};
     const std::string speos = write_speos(one);
-    ASSERT_EQ(error_of(speos), "");
+    ASSERT_EQ(error_text(read(speos)), "");
     for (std::size_t size = 0; size + 12 < speos.size(); size += size < 300 ? 1 : 97)
-        EXPECT_NE(error_of(speos.substr(0, size)), "") << size;
+        EXPECT_NE(error_text(read(speos.substr(0, size))), "") << size;
     std::string binary = speos;
-    EXPECT_CONTAINS(error_of(binary.replace(binary.find("\n0\n"), 3, "\n1\n")), "0, a file of text");
+    EXPECT_CONTAINS(error_text(read(binary.replace(binary.find("\n0\n"), 3, "\n1\n"))), "0, a file of text");
 }
 
 const std::string k_columns =
@@ -354,11 +351,11 @@ TEST(Columns, AreNamed) {
     ASSERT_TRUE(bounded.ok());
     EXPECT_EQ(std::get<ScatteredSamples>(bounded->table).masked, 1u);
     EXPECT_WITHIN(value(*bounded, wl, to_float(spherical(30 * k_degree, 0.0))).g, 2 / k_pi, 1e-3);
-    EXPECT_NE(error_of(k_columns), "");
-    EXPECT_CONTAINS(error_of(k_columns, {"theta_l_deg,value", {}, 0}), "--columns: expected");
-    EXPECT_CONTAINS(error_of(k_columns, {options.columns + ",more", {}, 0}), "6 numbers, found 5");
-    EXPECT_CONTAINS(error_of(k_columns, {options.columns, {}, 5}), "at least one above the floor");
-    EXPECT_CONTAINS(error_of(k_zemax, {"", Quantity::factor, 0}), "samples, for --quantity");
+    EXPECT_NE(error_text(read(k_columns)), "");
+    EXPECT_CONTAINS(error_text(read(k_columns, {"theta_l_deg,value", {}, 0})), "--columns: expected");
+    EXPECT_CONTAINS(error_text(read(k_columns, {options.columns + ",more", {}, 0})), "6 numbers, found 5");
+    EXPECT_CONTAINS(error_text(read(k_columns, {options.columns, {}, 5})), "at least one above the floor");
+    EXPECT_CONTAINS(error_text(read(k_zemax, {"", Quantity::factor, 0})), "samples, for --quantity");
 }
 
 const std::string k_openmaterial =
@@ -386,7 +383,7 @@ TEST(OpenMaterial, RowsAreSpectra) {
     EXPECT_EQ(std::get<ScatteredSamples>(again->table).receiver, samples.receiver);
     EXPECT_EQ(write_openmaterial(std::get<ScatteredSamples>(again->table)), written);
     for (std::size_t size = 0; size < k_openmaterial.size(); ++size)
-        EXPECT_NE(error_of(k_openmaterial.substr(0, size)), "") << size;
+        EXPECT_NE(error_text(read(k_openmaterial.substr(0, size))), "") << size;
     for (const auto& [what, replacement] : std::initializer_list<std::array<std::string, 2>>{{"0.1]", "0.1, 1]"},
                                                                                              {"0.1]", "\"x\"]"},
                                                                                              {", 0.1]", "]"},
@@ -396,9 +393,9 @@ TEST(OpenMaterial, RowsAreSpectra) {
                                                                                              {": 0.0002", ": 0"},
                                                                                              {": 0.0003", ": null"}}) {
         std::string text = k_openmaterial;
-        EXPECT_NE(error_of(text.replace(text.find(what), what.size(), replacement)), "") << replacement;
+        EXPECT_NE(error_text(read(text.replace(text.find(what), what.size(), replacement))), "") << replacement;
     }
-    EXPECT_NE(error_of("{\"OpenMATERIAL\":" + std::string(100000, '[')), "");
+    EXPECT_NE(error_text(read("{\"OpenMATERIAL\":" + std::string(100000, '['))), "");
 }
 
 /// In older versions of the format, zenith angles reach −π/2: negative ones are in the other half of the plane.
@@ -423,7 +420,7 @@ TEST(OpenMaterial, NegativeZenithAnglesAreOnTheOtherSideOfThePlane) {
              {"0.5, 0.7, 0, null", "0.5, 0.7, 180, null", "in column 4 of a row, found 180"},
              {"0.5, 0.7, 0, null", "0.5, null, 0, null", "in column 3 of a row, found nan"}}) {
         std::string bad = k_openmaterial;
-        const std::string found = error_of(bad.replace(bad.find(what), what.size(), replacement));
+        const std::string found = error_text(read(bad.replace(bad.find(what), what.size(), replacement)));
         EXPECT_CONTAINS(found, error);
     }
 }
@@ -459,7 +456,8 @@ TEST(Bird, PointsAreSamplesOfMeanPolarization) {
         EXPECT_WITHIN(samples.spectrum[index_of(wv[k])], f[k], 1e-6);
         EXPECT_WITHIN(samples.weight[index_of(wv[k])], k == 0 ? 0.4 : 1, 1e-6);  // 2 / (1 + 2²)
     }
-    for (std::size_t size = 0; size < k_bird.size(); ++size) EXPECT_NE(error_of(k_bird.substr(0, size)), "") << size;
+    for (std::size_t size = 0; size < k_bird.size(); ++size)
+        EXPECT_NE(error_text(read(k_bird.substr(0, size))), "") << size;
     for (const auto& [what, replacement] :
          std::initializer_list<std::array<std::string, 2>>{{"[45, 45, 45, 45, 30]", "[45]"},
                                                            {"[45, 45", "[null, 45"},
@@ -469,9 +467,9 @@ TEST(Bird, PointsAreSamplesOfMeanPolarization) {
                                                            {"theta_r", "theta_s"},
                                                            {"0.25,", "\"0.25\","}}) {
         std::string text = k_bird;
-        EXPECT_NE(error_of(text.replace(text.find(what), what.size(), replacement)), "") << replacement;
+        EXPECT_NE(error_text(read(text.replace(text.find(what), what.size(), replacement))), "") << replacement;
     }
-    EXPECT_NE(error_of("{\"theta_i\":" + std::string(100000, '[')), "");
+    EXPECT_NE(error_text(read("{\"theta_i\":" + std::string(100000, '['))), "");
 }
 
 const std::string k_fred =
@@ -487,11 +485,11 @@ TEST(Fred, LinesAreLightsAndSamples) {
         const Vec3f wl = to_float(spherical(theta, 1.0));
         EXPECT_WITHIN(value(*measured, wl, mirror(wl)).g, theta > 0.2 ? 8 : 6, 1e-3);
     }
-    EXPECT_CONTAINS(error_of("type bsdf_data\n0 0 1\n"), "a line of the light before it");
-    EXPECT_CONTAINS(error_of("type bsdf_data\n0 0\n1\n"), "two of a light");
-    EXPECT_CONTAINS(error_of("type bsdf_data\n0 0\n1 2 3 4\n"), "two of a light");
-    EXPECT_CONTAINS(error_of("type bsdf_data\nformat angles=turns\n0 0\n1 2 3\n"), "angles=deg or rad");
-    EXPECT_NE(error_of("type bsdf_data\n0 0\n"), "");
+    EXPECT_CONTAINS(error_text(read("type bsdf_data\n0 0 1\n")), "a line of the light before it");
+    EXPECT_CONTAINS(error_text(read("type bsdf_data\n0 0\n1\n")), "two of a light");
+    EXPECT_CONTAINS(error_text(read("type bsdf_data\n0 0\n1 2 3 4\n")), "two of a light");
+    EXPECT_CONTAINS(error_text(read("type bsdf_data\nformat angles=turns\n0 0\n1 2 3\n")), "angles=deg or rad");
+    EXPECT_NE(error_text(read("type bsdf_data\n0 0\n")), "");
 }
 
 /// In the plane of incidence a light has one number and a sample two. Negative angles are on the light's side.
@@ -512,8 +510,9 @@ TEST(Fred, ReadsScansInThePlaneOfIncidence) {
     ASSERT_TRUE(mirrored.ok());
     const Vec3f wl = to_float(spherical(45 * k_degree, 1.0));
     EXPECT_WITHIN(value(*mirrored, wl, mirror(wl)).g, 4, 1e-3);
-    EXPECT_CONTAINS(error_of("type bsdf_data\n15\n-15 0.2 3\n"), "line 3: numbers: expected one of a light or two");
-    EXPECT_CONTAINS(error_of("type bsdf_data\n15 0\n400 0 3\n"), "line 3: polar angle");
+    EXPECT_CONTAINS(error_text(read("type bsdf_data\n15\n-15 0.2 3\n")),
+                    "line 3: numbers: expected one of a light or two");
+    EXPECT_CONTAINS(error_text(read("type bsdf_data\n15 0\n400 0 3\n")), "line 3: polar angle");
 }
 
 /// Files of instruments: one sample in a file for Zemax and in its counterpart for Speos. Integrals are compared

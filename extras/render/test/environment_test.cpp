@@ -200,7 +200,7 @@ TEST(Environment, DrawsFollowTheDensityWhichIntegratesToOne) {
     for (int i = 0; i <= 6; ++i) bins.edge.push_back(1 - std::cos(k_pi * i / 6));
     const auto pdf = [&](Vec3d w) { return double(environment.at(to_float(w)).pdf); };
     double sum = 0;
-    for (const double mass : bins.masses(pdf, 64)) sum += mass;
+    for (const double mass : bins.integrals(pdf, 64)) sum += mass;
     EXPECT_WITHIN(sum, 1, 1e-3);
     std::mt19937_64 random(1);
     const auto draw = [&] {

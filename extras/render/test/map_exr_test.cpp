@@ -18,8 +18,8 @@ constexpr std::size_t k_width = 8, k_height = 4;
 TEST_F(MapExr, MapsAreWrittenAsOpenExr) {
     std::mt19937_64 random(1);
     const TexelMap map = random_map(random, {true, true, 5, 3, 60, PmForm::extended}, k_width, k_height);
-    write(folder / "map.srbf", text_of(write_map(map)));
-    const ProgramRun made = run(folder, {"export", "map.srbf", "--to", "exr", "-o", "map.exr"});
+    write_text(folder / "map.srbf", as_text(write_map(map)));
+    const ProgramRun made = run_srbf(folder, {"export", "map.srbf", "--to", "exr", "-o", "map.exr"});
     ASSERT_EQ(made.status, 0) << made.err;
     Imf::InputFile file((folder / "map.exr").c_str(), 1);
     std::size_t channels = 0;

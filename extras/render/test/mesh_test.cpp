@@ -103,7 +103,7 @@ TEST(Mesh, NormalsAreWeightedByArea) {
 }
 
 std::string corpus(const std::string& name) {
-    return contents(std::filesystem::path(SRBF_SOURCE_DIR) / "fuzz" / "corpus" / name);
+    return read_text(std::filesystem::path(SRBF_SOURCE_DIR) / "fuzz" / "corpus" / name);
 }
 Result<Mesh> read(const std::string& text) { return read_mesh(as_bytes(text), "f"); }
 
@@ -205,7 +205,7 @@ TEST(Mesh, FilesHavePlacesInAMap) {
 }
 
 /// The error of a file with `part` replaced by `by`.
-std::string error_of(std::string file, const std::string& part = "", const std::string& by = "") {
+std::string error_after(std::string file, const std::string& part = "", const std::string& by = "") {
     const auto at = file.find(part);
     if (at == file.npos) return ADD_FAILURE() << "no " << part, "";
     const auto mesh = read(file.replace(at, part.size(), by));
@@ -214,26 +214,26 @@ std::string error_of(std::string file, const std::string& part = "", const std::
 
 TEST(Ply, BadFilesAreErrors) {
     const std::string ascii = corpus("ply/ascii"), little = corpus("ply/little");
-    EXPECT_EQ(error_of(ascii), "none");
-    EXPECT_EQ(error_of(ascii, "face 4", "face 0"), "f: faces of the mesh: expected one at least, found none");
-    EXPECT_EQ(error_of(ascii, "1 2 3\n", "1 2 4\n"), "f: vertex index of a face: expected below 4, found 4");
-    EXPECT_CONTAINS(error_of(ascii, "1 2 3\n", "1 2 -3\n"), "expected a number from 0 on, found -3");
-    EXPECT_CONTAINS(error_of(ascii, "1 2 3\n", "1 2 3.5\n"), "found 3.5");
-    EXPECT_CONTAINS(error_of(ascii, "1 0 0 1 0 0", "1 nan 0 1 0 0"), "vertex 2 of 4: expected finite");
-    EXPECT_CONTAINS(error_of(ascii, "1 0 0 1 0 0", "1 0 1e99 1 0 0"), "vertex 2 of 4");
-    EXPECT_CONTAINS(error_of(ascii, "1 0 0 1 0 0", "1 0 0 1 inf 0"), "vertex 2 of 4");
-    EXPECT_CONTAINS(error_of(ascii, "1 0 0 1 0 0", "1 zero 0 1 0 0"), "found 'zero'");
-    EXPECT_CONTAINS(error_of(ascii, "float y", "float w"), "expected x, y and z");
-    EXPECT_CONTAINS(error_of(ascii, "float y", "single y"), "line 6: type of a property");
-    EXPECT_CONTAINS(error_of(ascii, "ascii", "ebcdic"), "line 2: format");
-    EXPECT_CONTAINS(error_of(ascii, "end_header", "end"), "no end_header");
-    EXPECT_CONTAINS(error_of(ascii, "element face", "element vertex"), "one vertex, found another");
-    EXPECT_CONTAINS(error_of(ascii, "uchar int", "float int"), "type of a list's length");
-    EXPECT_CONTAINS(error_of(ascii, "\n3 1 2 3", "\n3000000000 1 2 3"), "length of a list of face 4");
+    EXPECT_EQ(error_after(ascii), "none");
+    EXPECT_EQ(error_after(ascii, "face 4", "face 0"), "f: faces of the mesh: expected one at least, found none");
+    EXPECT_EQ(error_after(ascii, "1 2 3\n", "1 2 4\n"), "f: vertex index of a face: expected below 4, found 4");
+    EXPECT_CONTAINS(error_after(ascii, "1 2 3\n", "1 2 -3\n"), "expected a number from 0 on, found -3");
+    EXPECT_CONTAINS(error_after(ascii, "1 2 3\n", "1 2 3.5\n"), "found 3.5");
+    EXPECT_CONTAINS(error_after(ascii, "1 0 0 1 0 0", "1 nan 0 1 0 0"), "vertex 2 of 4: expected finite");
+    EXPECT_CONTAINS(error_after(ascii, "1 0 0 1 0 0", "1 0 1e99 1 0 0"), "vertex 2 of 4");
+    EXPECT_CONTAINS(error_after(ascii, "1 0 0 1 0 0", "1 0 0 1 inf 0"), "vertex 2 of 4");
+    EXPECT_CONTAINS(error_after(ascii, "1 0 0 1 0 0", "1 zero 0 1 0 0"), "found 'zero'");
+    EXPECT_CONTAINS(error_after(ascii, "float y", "float w"), "expected x, y and z");
+    EXPECT_CONTAINS(error_after(ascii, "float y", "single y"), "line 6: type of a property");
+    EXPECT_CONTAINS(error_after(ascii, "ascii", "ebcdic"), "line 2: format");
+    EXPECT_CONTAINS(error_after(ascii, "end_header", "end"), "no end_header");
+    EXPECT_CONTAINS(error_after(ascii, "element face", "element vertex"), "one vertex, found another");
+    EXPECT_CONTAINS(error_after(ascii, "uchar int", "float int"), "type of a list's length");
+    EXPECT_CONTAINS(error_after(ascii, "\n3 1 2 3", "\n3000000000 1 2 3"), "length of a list of face 4");
     for (const std::string& file : {ascii, little})
         for (const char* count :
              {"9", "4294967295", "4294967296", "18446744073709551615", "18446744073709551616", "-1"})
-            EXPECT_NE(error_of(file, "vertex 4", std::string("vertex ") + count), "none") << count;
+            EXPECT_NE(error_after(file, "vertex 4", std::string("vertex ") + count), "none") << count;
 }
 
 TEST(Ply, EveryTruncationIsAnError) {
@@ -259,26 +259,26 @@ TEST(Mesh, FlippedBytesBreakNoPromise) {
 
 TEST(Obj, BadFilesAreErrors) {
     const std::string file = corpus("obj/normals");
-    EXPECT_CONTAINS(error_of(file, "v 1 0 0", "v 1 nan 0"), "line 4: v: expected three numbers");
-    EXPECT_CONTAINS(error_of(file, "v 1 0 0", "v 1 0"), "line 4");
-    EXPECT_CONTAINS(error_of(file, "2/1/1", "5/1/1"), "line 10: corner of a face");
-    EXPECT_CONTAINS(error_of(file, "2/1/1", "2/1/3"), "line 10");
-    EXPECT_CONTAINS(error_of(file, "2/1/1", "0/1/1"), "line 10");
-    EXPECT_CONTAINS(error_of(file, "-4//-1", "-5//-1"), "line 11");
-    EXPECT_CONTAINS(error_of(file, "-4//-1", "x"), "found 'x'");
-    EXPECT_EQ(error_of("v 0 0 0\nf 1 1\n"), "f: faces of the mesh: expected one at least, found none");
-    EXPECT_EQ(error_of(""), "f: faces of the mesh: expected one at least, found none");
+    EXPECT_CONTAINS(error_after(file, "v 1 0 0", "v 1 nan 0"), "line 4: v: expected three numbers");
+    EXPECT_CONTAINS(error_after(file, "v 1 0 0", "v 1 0"), "line 4");
+    EXPECT_CONTAINS(error_after(file, "2/1/1", "5/1/1"), "line 10: corner of a face");
+    EXPECT_CONTAINS(error_after(file, "2/1/1", "2/1/3"), "line 10");
+    EXPECT_CONTAINS(error_after(file, "2/1/1", "0/1/1"), "line 10");
+    EXPECT_CONTAINS(error_after(file, "-4//-1", "-5//-1"), "line 11");
+    EXPECT_CONTAINS(error_after(file, "-4//-1", "x"), "found 'x'");
+    EXPECT_EQ(error_after("v 0 0 0\nf 1 1\n"), "f: faces of the mesh: expected one at least, found none");
+    EXPECT_EQ(error_after(""), "f: faces of the mesh: expected one at least, found none");
 }
 
 /// A triangle with sides of that length.
 std::string triangle(const char* length) { return fmt::format("v 0 0 0\nv {0} 0 0\nv 0 {0} 0\nf 1 2 3\n", length); }
 
 TEST(Obj, SizesThatNoSceneHasAreErrors) {
-    for (const char* length : {"1e7", "-1e7", "1e-7"}) EXPECT_EQ(error_of(triangle(length)), "none") << length;
+    for (const char* length : {"1e7", "-1e7", "1e-7"}) EXPECT_EQ(error_after(triangle(length)), "none") << length;
     for (const char* length : {"1.1e7", "-1.1e7", "1e18", "3.4e38"})
-        EXPECT_CONTAINS(error_of(triangle(length)), "coordinates of the mesh: expected at most 1e+07");
+        EXPECT_CONTAINS(error_after(triangle(length)), "coordinates of the mesh: expected at most 1e+07");
     for (const char* length : {"9e-8", "1e-38", "0"})
-        EXPECT_CONTAINS(error_of(triangle(length)), "extent of the mesh: expected at least 1e-07");
+        EXPECT_CONTAINS(error_after(triangle(length)), "extent of the mesh: expected at least 1e-07");
 }
 
 TEST(Mesh, IsLoadedByItsNameOrItsFile) {
@@ -286,7 +286,7 @@ TEST(Mesh, IsLoadedByItsNameOrItsFile) {
     EXPECT_EQ(load_mesh("knot")->positions, knot().positions);
     const TemporaryFolder folder;
     EXPECT_FALSE(load_mesh(folder / "none.ply").ok());
-    write(folder / "sphere", corpus("obj/bare"));
+    write_text(folder / "sphere", corpus("obj/bare"));
     EXPECT_EQ(load_mesh(folder / "sphere")->positions.size(), 3u);
 }
 

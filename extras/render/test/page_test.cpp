@@ -50,12 +50,12 @@ Page all_kinds() {
     parabolic.index = index_texture(parabolic, DirectionMap::parabolic, 64);
     plain.index = index_texture(plain, DirectionMap::cube, 32);
     static const GgxModel ggx{{0.1f, 0.2f, 0.4f}, {{0.1f, {0.1f, 0.05f, 0.02f}, 0.9f}, {0.5f, {0, 0.03f, 0.2f}, 0.4f}}};
-    static const Model bsdf{rough_bsdf(), {}};
+    static const Model bsdf{ggx_bsdf(), {}};
     Page page;
     page.title = "<every> kind";
     page.generator = "test";
     for (const Material& material :
-         std::initializer_list<Material>{table, lobes, general, by_view, plain, parabolic, ggx, rough_bsdf()}) {
+         std::initializer_list<Material>{table, lobes, general, by_view, plain, parabolic, ggx, ggx_bsdf()}) {
         const auto i = page.materials.size();
         page.materials.push_back({fmt::format("m{} & <b>", i), "as long a kind as some materials have, 658,952 bytes",
                                   material, is_two_sided(material) ? evaluator(bsdf) : evaluator(ggx), false,
@@ -406,7 +406,7 @@ std::pair<int, std::string> opened_in_browser(const TemporaryFolder& folder) {
                                 SRBF_SOURCE_DIR, script, (folder / "page.html").string(), folder.path.string(),
                                 (folder / "said").string())
                         .c_str());
-    return {status, contents(folder / "said")};
+    return {status, read_text(folder / "said")};
 }
 
 void expect_loaded(const Json& with) {
@@ -439,7 +439,7 @@ StepPictures compared_pictures(const Page& page, const Json& pictures, const Tem
     }
     StepPictures steps;
     for (const Json& picture : pictures) {
-        const std::string step = picture["step"], rgba = contents(folder / std::string(picture["file"]));
+        const std::string step = picture["step"], rgba = read_text(folder / std::string(picture["file"]));
         const std::size_t material = picture["material"];
         const bool lit_around = step.starts_with("studio");
         const double alike = psnr(rgba, lit_around ? traced_picture(picture, *page.materials[material].material)
@@ -505,11 +505,11 @@ TEST(Page, ABrowserDrawsThePictureOfTheDesktop) {
     if (!context) GTEST_SKIP() << message(context.error());
     const Page page = all_kinds();
     const TemporaryFolder folder;
-    write(folder / "page.html", page_html(page));
+    write_text(folder / "page.html", page_html(page));
     const auto [status, said] = opened_in_browser(folder);
     if (WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127)) GTEST_SKIP() << said;
     ASSERT_EQ(status, 0) << said;
-    const Json result = Json::parse(contents(folder / "result.json"));
+    const Json result = Json::parse(read_text(folder / "result.json"));
     const Json &with = result["with"], &without = result["without"];
     expect_loaded(with);
     StepPictures steps = compared_pictures(page, with["pictures"], folder, context->dialect());

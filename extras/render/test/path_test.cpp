@@ -15,7 +15,7 @@
 namespace srbf::path_test {
 namespace {
 
-const Environment& even_light() {
+const Environment& uniform_light() {
     static const Environment environment(Image(8, 4, {1, 1, 1}));
     return environment;
 }
@@ -24,7 +24,7 @@ const Mesh& ball_mesh() {
     return mesh;
 }
 
-/// A sphere of that BRDF, without ground.
+/// A BRDF that is NaN everywhere: nothing was measured.
 struct Unmeasured {};
 Rgb value(const Unmeasured&, Vec3f, Vec3f) { return {NAN, NAN, NAN}; }
 
@@ -35,6 +35,7 @@ Rgb value(const Grazing&, Vec3f, Vec3f wv) {
     return {f, f, f};
 }
 
+/// A sphere of the given BRDF, without ground.
 PathScene sphere_scene(const PreparedBrdf& brdf, const Environment* environment) {
     PathScene scene{{{&ball_mesh(), 0}}, {brdf}, {}, {}, {}, environment};
     scene.camera = camera_of(ball_mesh(), {}, 1);
@@ -101,7 +102,7 @@ class Path : public testing::Test {
 };
 
 TEST_F(Path, ThinSpherePassesTheWhiteFurnaceTest) {
-    PathScene scene = sphere_scene(diffuse({}), &even_light());
+    PathScene scene = sphere_scene(diffuse({}), &uniform_light());
     scene.materials = {lossless()};
     PathOptions options = small(256);
     options.bounces = 64;
@@ -134,7 +135,7 @@ TEST_F(Path, PassesTheWhiteFurnaceTest) {
     }();
     const MixtureProposal mixture = propose(evaluator(model));
     for (const PreparedBrdf& brdf : {diffuse({1, 1, 1}), prepare(model, mixture)}) {
-        const PathPicture picture = render_paths(sphere_scene(brdf, &even_light()), small(400, 32));
+        const PathPicture picture = render_paths(sphere_scene(brdf, &uniform_light()), small(400, 32));
         const Mean mean = mean_of(picture.rendering.radiance);
         EXPECT_WITHIN(mean.value, 1, 1e-3);
     }
@@ -142,7 +143,7 @@ TEST_F(Path, PassesTheWhiteFurnaceTest) {
 
 TEST_F(Path, NothingIsLostBetweenWhiteSurfaces) {
     // A white ball on white ground: after interreflection all light leaves the scene.
-    PathScene scene = sphere_scene(diffuse({1, 1, 1}), &even_light());
+    PathScene scene = sphere_scene(diffuse({1, 1, 1}), &uniform_light());
     const Mesh ground = ground_below(ball_mesh(), scene.camera.up, 4);
     scene.bodies.push_back({&ground, 0});
     PathOptions options = small(200, 32);
@@ -235,7 +236,7 @@ TEST_F(Path, AConstantMapIsItsModel) {
     const std::array<Rgb, 2> coefficients{{{0.2f, 0.1f, 0.05f}, {1.5f, 1.5f, 1.5f}}};
     const TexelMap map = glossy_map(std::vector(6, coefficients), 3);
     const PreparedMap prepared = prepare_map(map);
-    PathScene scene = sphere_scene(prepare(texel(map, 0)), &even_light());
+    PathScene scene = sphere_scene(prepare(texel(map, 0)), &uniform_light());
     const auto drawn = [&](const PathMaterial& material, std::uint64_t seed) {
         scene.materials = {material};
         PathOptions options = small(256);
@@ -347,7 +348,7 @@ TEST_F(Path, EnvironmentStandsUpright) {
 
 TEST_F(Path, PictureDoesNotDependOnThreads) {
     const PmModel model = glossy();
-    const PathScene scene = sphere_scene(prepare(model, propose(evaluator(model))), &even_light());
+    const PathScene scene = sphere_scene(prepare(model, propose(evaluator(model))), &uniform_light());
     PathOptions options = small(3, 50);
     options.threads = 1;
     const PathPicture one = render_paths(scene, options);
@@ -382,14 +383,14 @@ TEST(Rays, HitTheSphereAtItsDepthAndNormal) {
 
 TEST(Rays, AreBlackAtPointsWithoutMeasurement) {
     const PreparedBrdf unmeasured = prepare(Unmeasured{}, CosineProposal{});
-    const PathPicture picture = render_paths(sphere_scene(unmeasured, &even_light()), small(2));
+    const PathPicture picture = render_paths(sphere_scene(unmeasured, &uniform_light()), small(2));
     for (const Rgb& pixel : picture.rendering.radiance.pixels) EXPECT_TRUE(is_finite(pixel));
     EXPECT_EQ(picture.rendering.radiance.at(12, 12), Rgb{});
 }
 
 /// Nobody grazes a surface by less than 0.01, also not where an interpolated normal points away.
 TEST_F(Path, TheRimIsBounded) {
-    PathScene scene = sphere_scene(prepare(Grazing{}, CosineProposal{}), &even_light());
+    PathScene scene = sphere_scene(prepare(Grazing{}, CosineProposal{}), &uniform_light());
     PathOptions options = small(4, 128);
     options.occlusion = false;
     float most = 0, least = 1;
@@ -445,8 +446,12 @@ TEST_F(Path, SceneOfAnySizeIsOnePicture) {
         for (Vec3f& p : mesh.positions) p = scale * p;
         const Scene base = scene_of(mesh, {}, 1);
         const Mesh floor = ground_below(base.mesh, base.camera.up);
-        const PathScene scene{
-            {{&base.mesh, 0}, {&floor, 0}}, {diffuse({0.5f, 0.5f, 0.5f})}, base.camera, base.lights, {}, &even_light()};
+        const PathScene scene{{{&base.mesh, 0}, {&floor, 0}},
+                              {diffuse({0.5f, 0.5f, 0.5f})},
+                              base.camera,
+                              base.lights,
+                              {},
+                              &uniform_light()};
         pictures.push_back(render_paths(scene, small(16)).rendering.radiance);
     }
     for (const Image& picture : pictures)
@@ -463,7 +468,7 @@ class PathCommand : public testing::Test {
     }
     ProgramRun render(std::vector<std::string> arguments) {
         arguments.insert(arguments.begin(), {"render", "a.srbf", "--size", "32x24", "--spp", "2"});
-        return run(folder, arguments);
+        return run_srbf(folder, arguments);
     }
     void expect_refused(const std::vector<std::string>& arguments, const std::string& part) {
         const auto before = folder.files();
@@ -497,7 +502,7 @@ TEST_F(PathCommand, PicturesAreCompared) {
         EXPECT_TRUE(std::filesystem::exists(folder / "b.difference.png"));
     }
     EXPECT_EQ(render({"-o", "b.png", "--compare", "a.exr", "--json", "c.json", "--seed", "1"}).status, 0);
-    EXPECT_LACKS(contents(folder / "c.json"), "\"flip\": 0.0,");
+    EXPECT_LACKS(read_text(folder / "c.json"), "\"flip\": 0.0,");
     const Image other(16, 16);
     ASSERT_TRUE(write_exr(16, 16, channels_of(other), folder / "other.exr").ok());
     expect_refused({"-o", "d.png", "--compare", "other.exr"}, "size of the reference");
@@ -507,7 +512,7 @@ TEST_F(PathCommand, MapsAreDrawnOnMeshesWithPlaces) {
     SKIP_UNDER_SANITIZERS("takes too long");
     const TexelMap map = glossy_map({{{{0.2f, 0, 0}, {}}}, {{{0, 0.2f, 0}, {}}}}, 2);
     ASSERT_TRUE(write_file(folder / "map.srbf", write_map(map)).ok());
-    write(folder / "bare.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");
+    write_text(folder / "bare.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");
     EXPECT_EQ(render({"map.srbf", "-o", "b.png"}).status, 0);
     EXPECT_EQ(render({"map.srbf#1,0", "-o", "b.png", "--mesh", "bare.obj"}).status, 0);
     expect_refused({"map.srbf", "-o", "c.png", "--mesh", "bare.obj"}, "texture coordinates");

@@ -51,7 +51,7 @@ struct Pixels {
     std::vector<Float4> positions, normals;
 };
 
-class Raster : public InEachDialect {
+class Raster : public OpenGLTest {
   protected:
     static RasterView view_of(const Scene& scene, float exposure = 1) {
         return {scene.camera, double(k_width) / k_height, scene.lights, exposure};
@@ -294,19 +294,20 @@ TEST(Render, WritesAPictureOfEachFileSideBySide) {
     const TemporaryFolder folder;
     ASSERT_TRUE(save_model({film_pm(), {}}, folder / "pm.srbf").ok());
     ASSERT_TRUE(save_model({film_su(), {}}, folder / "su.srbf").ok());
-    const ProgramRun made = run(folder, {"render", bundled_data() / "cc_ibiza_sunset_rgb.bsdf", "su.srbf", "pm.srbf",
-                                         "--renderer", "raster", "--mesh", "knot", "--size", "160x120", "-o", "x.png"});
+    const ProgramRun made =
+        run_srbf(folder, {"render", bundled_data() / "cc_ibiza_sunset_rgb.bsdf", "su.srbf", "pm.srbf", "--renderer",
+                          "raster", "--mesh", "knot", "--size", "160x120", "-o", "x.png"});
     EXPECT_EQ(made.status, 0) << made.err;
     EXPECT_EQ(made.err, "");
-    const std::string png = contents(folder / "x.png");
+    const std::string png = read_text(folder / "x.png");
     ASSERT_TRUE(png.starts_with("\x89PNG\r\n\x1a\n"));
     const auto number = [&](std::size_t at) { return 256 * std::uint8_t(png[at + 2]) + std::uint8_t(png[at + 3]); };
     EXPECT_EQ(number(16), 3 * 160);
     EXPECT_EQ(number(20), 120 + 20);  // with a strip of captions
     // A measurement that is not isotropic has no table.
-    write(folder / "a.csv",
-          "# anisotropic\nwl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n0.6,0,0.8,0,0,1,1\n");
-    const ProgramRun refused = run(folder, {"render", "a.csv", "--renderer", "raster", "-o", "a.png"});
+    write_text(folder / "a.csv",
+               "# anisotropic\nwl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n0.6,0,0.8,0,0,1,1\n");
+    const ProgramRun refused = run_srbf(folder, {"render", "a.csv", "--renderer", "raster", "-o", "a.png"});
     EXPECT_EQ(refused.status, 1);
     EXPECT_CONTAINS(refused.err, "expected an isotropic one, found an anisotropic one");
 }
@@ -340,8 +341,8 @@ double psnr_to(const Rendering& expected, const Scene& scene, const Material& ma
 
 TEST(Rasterize, BothSidesAreLitFromBothSides) {
     if (const auto context = OffscreenContext::make(); !context) GTEST_SKIP() << message(context.error());
-    const Model ggx{rough_bsdf(), {}};
-    BsdfModel lobes = full_bsdf(5);
+    const Model ggx{ggx_bsdf(), {}};
+    BsdfModel lobes = lobe_bsdf_with_beams(5);
     lobes.part[1].reset(), lobes.part[3].reset();
     BsdfTables tables;
     const Evaluate values = evaluator(ggx);
@@ -357,7 +358,7 @@ TEST(Rasterize, BothSidesAreLitFromBothSides) {
         for (const bool behind : {false, true}) {
             if (behind) scene->lights = {light_behind(scene->camera)};
             const Rendering of_ggx = traced(*scene, by_ggx), of_lobes = traced(*scene, by_lobes);
-            EXPECT_GE(psnr_to(of_ggx, *scene, rough_bsdf()), 42) << behind;
+            EXPECT_GE(psnr_to(of_ggx, *scene, ggx_bsdf()), 42) << behind;
             EXPECT_GE(psnr_to(of_lobes, *scene, lobes), 40) << behind;
             EXPECT_GE(psnr_to(of_ggx, *scene, tables), 40) << behind;
             // Another model is told apart.
@@ -372,7 +373,7 @@ Image rendered(const TemporaryFolder& folder, std::vector<std::string> arguments
     arguments.push_back(renderer);
     if (renderer == std::string("path"))
         arguments.insert(arguments.end(), {"--no-ground", "--no-occlusion", "--env", "none", "--spp", "16"});
-    const ProgramRun made = run(folder, arguments);
+    const ProgramRun made = run_srbf(folder, arguments);
     EXPECT_EQ(made.status, 0) << made.err;
     const auto bytes = read_file(folder / "x.exr");
     return bytes ? *read_exr(*bytes, "x.exr") : Image(64, 64);
@@ -381,8 +382,8 @@ Image rendered(const TemporaryFolder& folder, std::vector<std::string> arguments
 TEST(Render, DrawsALightBehind) {
     if (const auto context = OffscreenContext::make(); !context) GTEST_SKIP() << message(context.error());
     const TemporaryFolder folder;
-    ASSERT_TRUE(save_model({rough_bsdf(), {}}, folder / "both.srbf").ok());
-    ASSERT_TRUE(save_model(*rough_bsdf().part[0], folder / "front.srbf").ok());
+    ASSERT_TRUE(save_model({ggx_bsdf(), {}}, folder / "both.srbf").ok());
+    ASSERT_TRUE(save_model(*ggx_bsdf().part[0], folder / "front.srbf").ok());
     const auto render = [&](const char* file, const char* renderer) {
         return rendered(folder, {file, "--lights", "behind", "--mesh", "sphere"}, renderer);
     };

@@ -41,8 +41,7 @@ TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
                                       {"spectral.srbf", spectral}})
         ASSERT_TRUE(save_model(model, folder / name).ok());
     const auto done = [&](const Arguments& arguments) {
-        const ProgramRun ended = run_srbf(folder, arguments);
-        EXPECT_EQ(ended.status, 0) << fmt::format("{}", fmt::join(arguments, " ")) << ": " << ended.err;
+        const ProgramRun ended = run_ok(folder, arguments);
         return ended.out;
     };
     Arguments readable{"pm.srbf", "bsdf.srbf", "su.srbf", "ggx.srbf", "spectral.srbf", "map.srbf#1"};
@@ -82,8 +81,7 @@ TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
 }
 
 TEST_F(Chain, TexelsOfAMapAreNamedByNumberAndPlace) {
-    const ProgramRun whole = run_srbf(folder, {"info", "map.srbf"});
-    EXPECT_EQ(whole.status, 0) << whole.err;
+    const ProgramRun whole = run_ok(folder, {"info", "map.srbf"});
     EXPECT_CONTAINS(whole.out, "1 × 2 texels of 2 shared lobes");
     ASSERT_TRUE(save_model(texel(map_, 1), folder / "m.srbf").ok());
     for (const char* name : {"map.srbf#1", "map.srbf#0,1"})
@@ -94,7 +92,7 @@ TEST_F(Chain, TexelsOfAMapAreNamedByNumberAndPlace) {
     expect_failure(1, {"eval", "map.srbf", "--pairs", "p.csv"}, "a map of texels, which map.srbf#X,Y names");
     expect_failure(1, {"info", "missing#0"}, "missing: cannot be read");
     std::filesystem::copy(folder / "m.srbf", folder / "m#7");
-    EXPECT_EQ(run_srbf(folder, {"info", "m#7"}).status, 0);
+    run_ok(folder, {"info", "m#7"});
 }
 
 /// A million pairs take the memory of a thousand.

@@ -30,8 +30,7 @@ class Command : public CommandLine {
 
     /// The text that `export` writes for the surface `s.srbf`.
     std::string exported(const std::string& kind) {
-        const ProgramRun result = run_srbf(folder, {"export", "s.srbf", "--to", kind, "-o", "o"});
-        EXPECT_EQ(result.status, 0) << result.err;
+        run_ok(folder, {"export", "s.srbf", "--to", kind, "-o", "o"});
         return read_text(folder / "o");
     }
 
@@ -40,8 +39,7 @@ class Command : public CommandLine {
         Arguments convert{"convert", input, "-o", output};
         if (!output.ends_with(".csv")) convert = convert + Arguments{"--threads", "1"};
         if (output.ends_with(".csv") && !input.ends_with(".csv")) convert = convert + Arguments{"--directions", "9"};
-        const ProgramRun result = run_srbf(folder, convert);
-        ASSERT_EQ(result.status, 0) << result.err;
+        const ProgramRun result = run_ok(folder, convert);
         EXPECT_EQ(result.out, "");
         const auto measured = load_measured(folder / output);
         ASSERT_TRUE(measured.ok()) << message(measured.error());
@@ -55,11 +53,9 @@ TEST_F(Command, ExportWritesAPageOrNothing) {
     SKIP_UNDER_SANITIZERS("takes too long");
     if (!is_offered({"html"})) GTEST_SKIP() << "without pages";
     const Arguments page{"export", *fitted / "m.srbf", "--to", "html"};
-    const ProgramRun alone = run_srbf(folder, page + Arguments{"-o", "alone.html"});
-    EXPECT_EQ(alone.status, 0) << alone.err;
+    const ProgramRun alone = run_ok(folder, page + Arguments{"-o", "alone.html"});
     EXPECT_EQ(alone.err + alone.out, "");
-    const ProgramRun both = run_srbf(folder, page + Arguments{"--reference", k_paper, "-o", "both.html"});
-    EXPECT_EQ(both.status, 0) << both.err;
+    const ProgramRun both = run_ok(folder, page + Arguments{"--reference", k_paper, "-o", "both.html"});
     const std::string html = read_text(folder / "both.html");
     EXPECT_CONTAINS(html, "<title>paper_white_rgb</title>");
     // The page shows the errors that `srbf compare` reports as held out.
@@ -96,16 +92,14 @@ TEST_F(Command, ExportWritesCodeOrNothing) {
     const Arguments start{"export", *fitted / "m.srbf", *fitted / "m.srbf"};
     for (const char* language : {"glsl", "hlsl", "wgsl", "msl", "c"}) {
         const Arguments to{"--to", language, "-o", std::string("two.") + language};
-        const ProgramRun result = run_srbf(folder, start + to);
-        EXPECT_EQ(result.status, 0) << result.err;
+        const ProgramRun result = run_ok(folder, start + to);
         EXPECT_EQ(result.err + result.out, "");
         const std::string text = read_text(folder / (std::string("two.") + language));
         for (const char* name : {"m_brdf(", "m_2_brdf(", "two_pm_", "source paper_white_rgb.bsdf"})
             EXPECT_CONTAINS(text, name) << language;
     }
     const Arguments to{"--to", "c", "-o", "x.h"};
-    const ProgramRun with_features = run_srbf(folder, start + to + Arguments{"--with", "sampling", "--with", "albedo"});
-    EXPECT_EQ(with_features.status, 0) << with_features.err;
+    run_ok(folder, start + to + Arguments{"--with", "sampling", "--with", "albedo"});
     for (const char* name : {"m_sample(", "m_albedo(", "m_2_sample(", "m_2_albedo("})
         EXPECT_CONTAINS(read_text(folder / "x.h"), name);
     std::filesystem::remove(folder / "x.h");
@@ -126,9 +120,7 @@ TEST_F(Command, ExportWritesAMapOrNothing) {
     save(map, "map.srbf");
     for (const char* kind : {"glsl", "hlsl", "wgsl", "msl", "c", "ktx2", "exr", "three"}) {
         if (!is_offered({kind})) continue;
-        const ProgramRun result =
-            run_srbf(folder, {"export", "map.srbf", "--to", kind, "-o", std::string("o.") + kind});
-        EXPECT_EQ(result.status, 0) << result.err;
+        const ProgramRun result = run_ok(folder, {"export", "map.srbf", "--to", kind, "-o", std::string("o.") + kind});
         EXPECT_EQ(result.err + result.out, "");
     }
     EXPECT_CONTAINS(read_text(folder / "o.glsl"), "vec3 map_brdf(vec3 wl, vec3 wv, map_Coefficients ");
@@ -138,8 +130,7 @@ TEST_F(Command, ExportWritesAMapOrNothing) {
     }
     const Arguments code{"--to", "c", "-o", "x.h"}, layers{"--to", "ktx2", "-o", "x.ktx2"}, start{"export", "map.srbf"};
     for (const char* numbers : {"half", "byte"})
-        EXPECT_EQ(run_srbf(folder, start + Arguments{"--to", "ktx2", "--coefficients", numbers, "-o", numbers}).status,
-                  0);
+        run_ok(folder, start + Arguments{"--to", "ktx2", "--coefficients", numbers, "-o", numbers});
     EXPECT_EQ(read_text(folder / "half"), read_text(folder / "o.ktx2"));
     EXPECT_LT(read_text(folder / "byte").size(), read_text(folder / "half").size());
     expect_failure(2, start + layers + Arguments{"--coefficients", "none"}, "--coefficients");
@@ -167,16 +158,14 @@ TEST_F(Command, ExportWritesAMapOrNothing) {
 TEST_F(Command, InfoGivesOneWavelengthNoColour) {
     write_text(folder / "laser.csv",
                "theta_l_deg,theta_v_deg,phi_v_deg,532nm\n10,10,180,0.5\n10,40,180,0.2\n40,40,180,0.6\n");
-    const ProgramRun result = run_srbf(folder, {"info", "laser.csv"});
-    EXPECT_EQ(result.status, 0) << result.err;
+    const ProgramRun result = run_ok(folder, {"info", "laser.csv"});
     EXPECT_CONTAINS(result.out, "value [1/sr]      0.2 to 0.6");
     EXPECT_CONTAINS(result.out, "  albedo ");
     for (const char* word : {"albedo R", "[1/sr] R"}) EXPECT_LACKS(result.out, word);
 }
 
 TEST_F(Command, InfoDescribesFiles) {
-    const ProgramRun measured = run_srbf(*fitted, {"info", k_paper}), model = run_srbf(*fitted, {"info", "m.srbf"});
-    EXPECT_EQ(measured.status + model.status, 0) << measured.err << model.err;
+    const ProgramRun measured = run_ok(*fitted, {"info", k_paper}), model = run_ok(*fitted, {"info", "m.srbf"});
     for (const char* word :
          {"RGL", "658,928 bytes", "masked entries", "albedo R", "  peak ", "reciprocity error", "smallest value"})
         EXPECT_CONTAINS(measured.out, word);
@@ -192,8 +181,7 @@ TEST_F(Command, InfoWarnsOfAlbedosAboveOne) {
     model.coefficient = {{0.1f, 0.4f, 0.2f}};
     model.log_scale = {0}, model.centre = {{0, 0, 1}}, model.bandwidth = {0}, model.parameterization = {{1, 1}};
     ASSERT_TRUE(save_model({model, {}}, folder / "bright.srbf").ok());
-    const ProgramRun info = run_srbf(folder, {"info", "bright.srbf"});
-    EXPECT_EQ(info.status, 0) << info.err;
+    const ProgramRun info = run_ok(folder, {"info", "bright.srbf"});
     for (const char* word : {"1.256", "warning", "more light than it receives at θv = 0°, 15°", "reciprocity error 0 %",
                              "smallest value    0.09998 1/sr"})
         EXPECT_CONTAINS(info.out, word);
@@ -209,8 +197,7 @@ TEST_F(Command, EvalKeepsOrderAndTextOfRows) {
                "\r\n"
                ",\"0.8\",-.6,0,0,0,1,\r\n"
                "below,1,0,0,0.6,0,-0.8,7");
-    const ProgramRun eval = run_srbf(folder, {"eval", *fitted / "m.srbf", "--pairs", "pairs.csv"});
-    ASSERT_EQ(eval.status, 0) << eval.err;
+    const ProgramRun eval = run_ok(folder, {"eval", *fitted / "m.srbf", "--pairs", "pairs.csv"});
     const auto row = [&](const char* text, Vec3f wl, Vec3f wv) {
         Rgb f;
         evaluate(*model, {&wl, 1}, {&wv, 1}, {&f, 1});
@@ -241,20 +228,17 @@ TEST_F(Command, HelpShowsAnExample) {
     for (const Arguments& subcommand :
          {Arguments{}, {"fit"}, {"info"}, {"eval"}, {"compare"}, {"convert"}, {"render"}, {"completion"}}) {
         if (!is_offered(subcommand)) continue;
-        const ProgramRun help = run_srbf(folder, subcommand + Arguments{"--help"});
-        EXPECT_EQ(help.status, 0);
+        const ProgramRun help = run_ok(folder, subcommand + Arguments{"--help"});
         EXPECT_EQ(help.err, "");
         EXPECT_CONTAINS(help.out, "Example");
         EXPECT_CONTAINS(help.out, "\n  srbf ");
     }
-    const ProgramRun version = run_srbf(folder, {"--version"});
-    EXPECT_EQ(version.status, 0);
+    const ProgramRun version = run_ok(folder, {"--version"});
     EXPECT_TRUE(version.out.starts_with("srbf 0.")) << version.out;
 }
 
 TEST_F(Command, CompletionsAndTheManualAgreeWithHelp) {
-    const ProgramRun manual = run_srbf(folder, {"--help-all"}), bash = run_srbf(folder, {"completion", "bash"});
-    ASSERT_EQ(manual.status + bash.status, 0) << manual.err << bash.err;
+    const ProgramRun manual = run_ok(folder, {"--help-all"}), bash = run_ok(folder, {"completion", "bash"});
     const std::regex option("  (-[a-z-]+)[ ,{]");
     for (const auto& [sub, options_of_sub] : long_options(folder)) {
         const std::string help = run_srbf(folder, {sub, "--help"}).out;
@@ -271,8 +255,7 @@ TEST_F(Command, CompletionsAndTheManualAgreeWithHelp) {
         EXPECT_GE(options, 1u) << help;
     }
     for (const char* shell : {"zsh", "fish"}) {
-        const ProgramRun completion = run_srbf(folder, {"completion", shell});
-        EXPECT_EQ(completion.status, 0);
+        const ProgramRun completion = run_ok(folder, {"completion", shell});
         EXPECT_CONTAINS(completion.out, "max-memory") << shell;
     }
     expect_failure(2, {"completion", "csh"}, "found csh");
@@ -305,9 +288,9 @@ TEST_F(Command, ConvertCopiesAndConverts) {
     const std::string merl = small_merl();
     write_text(folder / "m.binary", merl);
     write_text(folder / "s.csv", std::string(k_small_csv));
-    ASSERT_EQ(run_srbf(folder, {"convert", "m.binary", "-o", "copy.binary"}).status, 0);
+    run_ok(folder, {"convert", "m.binary", "-o", "copy.binary"});
     EXPECT_EQ(read_text(folder / "copy.binary"), merl);
-    ASSERT_EQ(run_srbf(folder, {"convert", k_paper, "-o", "paper.bsdf"}).status, 0);
+    run_ok(folder, {"convert", k_paper, "-o", "paper.bsdf"});
     EXPECT_EQ(read_text(folder / "paper.bsdf"), read_text(k_paper));
     expect_converted(k_paper, "o.bsdf", "RGL");
     expect_converted(k_paper, "o.csv", "CSV");
@@ -407,8 +390,7 @@ TEST_F(Command, MbsdfFilesAreReadWithTheirTransmission) {
     write_text(folder / "t.mbsdf", as_text(grey_mbsdf()));
     write_text(folder / "r.mbsdf", as_text(small_mbsdf()));
     for (const Arguments& output : {Arguments{"o.csv", "--directions", "3"}, {"copy.mbsdf"}}) {
-        const ProgramRun result = run_srbf(folder, Arguments{"convert", "t.mbsdf", "-o"} + output);
-        EXPECT_EQ(result.status, 0);
+        const ProgramRun result = run_ok(folder, Arguments{"convert", "t.mbsdf", "-o"} + output);
         EXPECT_EQ(result.err, "");
     }
     EXPECT_EQ(read_text(folder / "copy.mbsdf"), as_text(grey_mbsdf()));

@@ -40,8 +40,7 @@ class Failures : public CommandLine {
         write_text(
             folder / "b.binary",
             as_text(merl_file({9, 6, 8}, [](int h, int d, int, int c) { return 0.2 + 0.01 * h * d + 0.1 * c; })));
-        const ProgramRun fitted = run_srbf(folder, k_quick_fit + Arguments{"a.binary", "-o", "m.srbf"});
-        ASSERT_EQ(fitted.status, 0) << fitted.err;
+        run_ok(folder, k_quick_fit + Arguments{"a.binary", "-o", "m.srbf"});
     }
 
     /// Calls `start` while the given call is set to fail. The number of calls is written to the file `count`.
@@ -75,8 +74,7 @@ class Failures : public CommandLine {
     /// The outputs of a run without failures.
     std::map<std::string, std::string> complete_outputs(const Task& task) {
         write_old(task);
-        const ProgramRun result = run_srbf(folder, task.arguments);
-        EXPECT_EQ(result.status, 0) << result.err;
+        run_ok(folder, task.arguments);
         std::map<std::string, std::string> outputs;
         for (const std::string& name : task.outputs) outputs[name] = read_text(folder / name);
         return outputs;
@@ -180,8 +178,7 @@ TEST_F(Failures, KilledRunsResume) {
             fs::remove_all(folder / "models");
             std::optional<long> calls;
             run_with(many_, {call, index, 0}, calls);
-            const ProgramRun resumed = run_srbf(folder, many_.arguments);
-            EXPECT_EQ(resumed.status, 0) << resumed.err;
+            run_ok(folder, many_.arguments);
             for (const auto& [name, content] : expected)
                 if (name.ends_with(".srbf")) {
                     EXPECT_EQ(read_text(folder / name), content) << name;
@@ -231,8 +228,8 @@ TEST_F(Failures, ConcurrentRunsLeaveAMatchingPair) {
 /// A report next to another model is not accepted as the report of that model.
 TEST_F(Failures, AReportBelongsToItsModel) {
     const Arguments start = k_quick_fit + Arguments{"--resume", "-o", "models"};
-    ASSERT_EQ(run_srbf(folder, start + Arguments{"a.binary"}).status, 0);
-    ASSERT_EQ(run_srbf(folder, start + Arguments{"b.binary"}).status, 0);
+    run_ok(folder, start + Arguments{"a.binary"});
+    run_ok(folder, start + Arguments{"b.binary"});
     const std::string model = read_text(folder / "models/a.srbf");
     EXPECT_CONTAINS(run_srbf(folder, start + Arguments{"a.binary"}).out, "1 kept");
     fs::copy(folder / "models/b.srbf", folder / "models/a.srbf", fs::copy_options::overwrite_existing);

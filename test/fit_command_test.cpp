@@ -57,8 +57,7 @@ TEST_F(FitCommand, CompareFindsTheErrorsThatFitReports) {
     const Json fit = report();
     for (const Arguments& theta : {Arguments{}, Arguments{"--max-theta", "89"}}) {
         const ProgramRun compared =
-            run_srbf(*fitted, Arguments{"compare", k_paper, "m.srbf", "--json", "-", "--threads", "2"} + theta);
-        ASSERT_EQ(compared.status, 0) << compared.err;
+            run_ok(*fitted, Arguments{"compare", k_paper, "m.srbf", "--json", "-", "--threads", "2"} + theta);
         const Json json = Json::parse(compared.out, nullptr, false);
         EXPECT_EQ(json.value("albedo_error", -1.0), fit.value("albedo_error", -2.0));
         EXPECT_EQ(json.value("pictures", Json(1)), fit.value("pictures", Json(2)));
@@ -133,16 +132,15 @@ std::string smooth_samples(int count) {
 
 TEST_F(FitCommand, ChoosesTheLobesOfScatteredSamples) {
     write_text(folder / "samples.csv", smooth_samples(40));
-    const ProgramRun fit = run_srbf(folder, {"fit", "samples.csv", "--variates", "1", "--form", "source", "--objective",
-                                             "raw", "--max-theta", "70", "--json", "-"});
-    ASSERT_EQ(fit.status, 0) << fit.err;
+    const ProgramRun fit = run_ok(folder, {"fit", "samples.csv", "--variates", "1", "--form", "source", "--objective",
+                                           "raw", "--max-theta", "70", "--json", "-"});
     const Json json = Json::parse(fit.out, nullptr, false);
     EXPECT_EQ(json.value("folds", 0), 5);
     EXPECT_LT(json.value("heldout_squared_error_ratio", 1.0), 0.1);
     EXPECT_GE(json.value("heldout_squared_error_ratio", 0.0), json.value("squared_error_ratio", 1.0));
     // The largest number of lobes that 4/5 of 3 × 40 values determine: 2 J (3 + 1) + 4 bytes at most 96.
     EXPECT_EQ(json.value("lobes", 0), 9);
-    EXPECT_EQ(run_srbf(folder, {"compare", "samples.csv", "samples.srbf"}).status, 0);
+    run_ok(folder, {"compare", "samples.csv", "samples.srbf"});
 }
 
 /// Smooth samples at five wavelengths, in Cornell's format.
@@ -162,9 +160,8 @@ std::string smooth_spectra() {
 
 TEST_F(FitCommand, FitsSpectra) {
     write_text(folder / "s.brdf", smooth_spectra());
-    const ProgramRun fit = run_srbf(folder, {"fit", "s.brdf", "--channels", "spectral", "--lobes", "2", "--variates",
-                                             "2", "--objective", "raw", "--max-theta", "75", "--json", "-"});
-    ASSERT_EQ(fit.status, 0) << fit.err;
+    const ProgramRun fit = run_ok(folder, {"fit", "s.brdf", "--channels", "spectral", "--lobes", "2", "--variates", "2",
+                                           "--objective", "raw", "--max-theta", "75", "--json", "-"});
     const Json json = Json::parse(fit.out, nullptr, false);
     EXPECT_EQ(json.value("channels", 0), 5);
     EXPECT_EQ(json.value("payload_bytes", 0), 2 * (2 * (5 + 2 + 1 + 4) + 4));
@@ -178,8 +175,7 @@ TEST_F(FitCommand, FitsSpectra) {
     const std::string directions = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", nm = ",400nm,450.5nm,500nm,600nm,700nm\n";
     for (const Arguments& arguments :
          {Arguments{"s.srbf"}, {"s.srbf", "--channels", "spectral"}, {"s.brdf", "--channels", "spectral"}}) {
-        const ProgramRun eval = run_srbf(folder, Arguments{"eval", "--pairs", "p.csv"} + arguments);
-        ASSERT_EQ(eval.status, 0) << eval.err;
+        const ProgramRun eval = run_ok(folder, Arguments{"eval", "--pairs", "p.csv"} + arguments);
         EXPECT_TRUE(eval.out.starts_with(directions + nm)) << eval.out;
         // The output is a measurement at wavelengths again.
         const auto samples = read_csv(as_bytes(eval.out), "e", {});
@@ -195,8 +191,7 @@ TEST_F(FitCommand, FitsSpectra) {
 }
 
 TEST_F(FitTarget, IsReachedByTheLastSizeAlone) {
-    const ProgramRun fit = run_srbf(folder, {"fit", k_paper, "--target-delta-e", "6", "-o", "b.srbf", "--json", "-"});
-    ASSERT_EQ(fit.status, 0) << fit.err;
+    const ProgramRun fit = run_ok(folder, {"fit", k_paper, "--target-delta-e", "6", "-o", "b.srbf", "--json", "-"});
     const Json json = Json::parse(fit.out, nullptr, false), path = json["path"];
     EXPECT_TRUE(json.value("reached", false));
     ASSERT_GE(path.size(), 1u);
@@ -207,9 +202,8 @@ TEST_F(FitTarget, IsReachedByTheLastSizeAlone) {
 
 TEST_F(FitCommand, ViewByViewModelsFitScatteredSamples) {
     write_text(folder / "samples.csv", smooth_samples(600));
-    const ProgramRun fit = run_srbf(folder, {"fit", "samples.csv", "--model", "su", "--lobes", "3", "--directions",
-                                             "96", "--objective", "raw", "--max-theta", "70", "--json", "-"});
-    ASSERT_EQ(fit.status, 0) << fit.err;
+    const ProgramRun fit = run_ok(folder, {"fit", "samples.csv", "--model", "su", "--lobes", "3", "--directions", "96",
+                                           "--objective", "raw", "--max-theta", "70", "--json", "-"});
     const Json json = Json::parse(fit.out, nullptr, false);
     // The error of interpolation is larger, because the samples are 10° apart.
     EXPECT_LT(json.value("squared_error_ratio", 1.0), 0.02);
@@ -221,9 +215,7 @@ TEST_F(FitCommand, ViewByViewModelsFitScatteredSamples) {
 const Arguments k_fit_su{"fit", k_paper, "--model", "su", "--directions", "200", "--lobes", "2", "--objective", "raw"};
 
 TEST_F(FitCommand, ViewByViewModelsAreReadByTheOtherCommands) {
-    const ProgramRun result =
-        run_srbf(folder, k_fit_su + Arguments{"-o", "su.srbf", "--with-index", "parabolic", "--json", "r.json"});
-    ASSERT_EQ(result.status, 0) << result.err;
+    run_ok(folder, k_fit_su + Arguments{"-o", "su.srbf", "--with-index", "parabolic", "--json", "r.json"});
     const Json json = Json::parse(read_text(folder / "r.json"), nullptr, false);
     const Json expected = Json::parse(R"({"model": "su", "form": "source", "lobes": 2, "variates": 1, "axial": false,
         "discretise": "view", "directions": 200, "interpolation": "rotated", "index": "parabolic", "channels": 3,
@@ -237,8 +229,7 @@ TEST_F(FitCommand, ViewByViewModelsAreReadByTheOtherCommands) {
     const SuModel& su = std::get<SuModel>(model->model);
     EXPECT_EQ(su.index, index_texture(su, DirectionMap::parabolic));
 
-    const ProgramRun compared = run_srbf(folder, {"compare", k_paper, "su.srbf", "--json", "-"});
-    ASSERT_EQ(compared.status, 0) << compared.err;
+    const ProgramRun compared = run_ok(folder, {"compare", k_paper, "su.srbf", "--json", "-"});
     const Json compared_json = Json::parse(compared.out, nullptr, false);
     for (const std::string& name : k_measure_names)
         for (const std::string& key : {name, "heldout_" + name}) {
@@ -246,14 +237,12 @@ TEST_F(FitCommand, ViewByViewModelsAreReadByTheOtherCommands) {
         }
     EXPECT_EQ(compared_json.value("pairs", 0), 165 * 165);  // 165 of the 200 directions are within 80 degrees
 
-    const ProgramRun info = run_srbf(folder, {"info", "su.srbf"});
-    EXPECT_EQ(info.status, 0);
+    const ProgramRun info = run_ok(folder, {"info", "su.srbf"});
     for (const char* word : {"2 lobes × 200 sampled directions", "4,800 bytes", "parabolic", "albedo R"})
         EXPECT_CONTAINS(info.out, word);
 
     write_text(folder / "pairs.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0.6,0.8,0,0,1\n");
-    const ProgramRun eval = run_srbf(folder, {"eval", "su.srbf", "--pairs", "pairs.csv"});
-    EXPECT_EQ(eval.status, 0);
+    const ProgramRun eval = run_ok(folder, {"eval", "su.srbf", "--pairs", "pairs.csv"});
     std::vector<Rgb> f(1);
     const Vec3f wl[] = {{0, 0.6f, 0.8f}}, wv[] = {{0, 0, 1}};
     evaluator (*model)(wl, wv, f);

@@ -409,9 +409,8 @@ TEST_F(Hostile, NamesAndMetadataAreNotCode) {
                     is_surface ? Model{OpenPbrModel{}, of_kind.provenance} : Model{pm, of_kind.provenance};
                 write_text(folder / file, as_text(is_map ? write_map(of_kind) : write_model(model)));
                 const bool is_fitted = to == "blender" || to == "osl";
-                const ProgramRun result = run_srbf(folder, Arguments{"export", file, "--to", to, "-o", "x"} +
-                                                               (is_fitted ? Arguments{"--terms", "1"} : Arguments{}));
-                EXPECT_EQ(result.status, 0) << result.err;
+                const ProgramRun result = run_ok(folder, Arguments{"export", file, "--to", to, "-o", "x"} +
+                                                             (is_fitted ? Arguments{"--terms", "1"} : Arguments{}));
                 EXPECT_EQ(printable_lines(result.out + result.err), result.out + result.err);
                 return read_text(folder / "x");
             };

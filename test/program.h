@@ -53,4 +53,11 @@ inline ProgramRun run_srbf(const TemporaryFolder& folder, const std::vector<std:
             std::filesystem::is_regular_file(out) ? read_text(out) : "", read_text(err)};
 }
 
+/// Runs the program, and expects success.
+inline ProgramRun run_ok(const TemporaryFolder& folder, const std::vector<std::string>& arguments) {
+    ProgramRun result = run_srbf(folder, arguments);
+    EXPECT_EQ(result.status, 0) << testing::PrintToString(arguments) << '\n' << result.err;
+    return result;
+}
+
 }  // namespace srbf

@@ -19,8 +19,7 @@ class BlenderScript : public CommandLine {
 TEST_F(BlenderScript, HasTablesOfEachMaterial) {
     write_text(folder / "m.binary", small_merl());
     const ProgramRun result =
-        run_srbf(folder, {"export", "a.srbf", "m.binary", "--to", "blender", "--terms", "1", "-o", "o.py"});
-    ASSERT_EQ(result.status, 0) << result.err;
+        run_ok(folder, {"export", "a.srbf", "m.binary", "--to", "blender", "--terms", "1", "-o", "o.py"});
     EXPECT_CONTAINS(result.out, "a: ΔE_ITP");
     const std::string script = read_text(folder / "o.py");
     EXPECT_CONTAINS(script, "(\"a\", 24, 1, [");

@@ -42,8 +42,7 @@ TEST_F(BsdfCommand, FitsAndEvaluatesBothSides) {
     EXPECT_TRUE(is_two_sided(*model));
     EXPECT_EQ(report["payload_bytes"], payload_bytes(std::get<Model>(*model)));
 
-    const ProgramRun values = run_srbf(folder, {"eval", "shade.srbf", "--pairs", "p.csv"});
-    ASSERT_EQ(values.status, 0) << values.err;
+    const ProgramRun values = run_ok(folder, {"eval", "shade.srbf", "--pairs", "p.csv"});
     std::vector<double> green;
     for (Lines lines(values.out); auto line = lines.next();) {
         std::vector<std::string_view> fields;
@@ -70,8 +69,7 @@ TEST_F(BsdfCommand, FitsAndEvaluatesBothSides) {
 
 TEST_F(BsdfCommand, ComparesConvertsAndExports) {
     ASSERT_EQ(fitted.status, 0) << fitted.err;
-    const ProgramRun compared = run_srbf(folder, {"compare", "shade.xml", "shade.srbf", "--json", "-"});
-    ASSERT_EQ(compared.status, 0) << compared.err;
+    const ProgramRun compared = run_ok(folder, {"compare", "shade.xml", "shade.srbf", "--json", "-"});
     const Json errors = Json::parse(compared.out);
     for (const std::string_view part : k_part_names)
         EXPECT_LT(errors[std::string(part)]["heldout_squared_error_ratio_cosine"], 0.2) << part;
@@ -80,10 +78,10 @@ TEST_F(BsdfCommand, ComparesConvertsAndExports) {
         expect_failure(1, {"convert", "shade.srbf", "-o", output}, "expected a BSDF without beams");
     for (const char* output : {"o.binary", "o.bsdf"})
         expect_failure(1, {"convert", "shade.srbf", "-o", output}, "expected a BRDF");
-    ASSERT_EQ(run_srbf(folder, {"export", "shade.srbf", "--to", "c", "-o", "shade.h"}).status, 0);
+    run_ok(folder, {"export", "shade.srbf", "--to", "c", "-o", "shade.h"});
     const std::string code = read_text(folder / "shade.h");
     if (is_offered({"html"})) {
-        ASSERT_EQ(run_srbf(folder, {"export", "shade.srbf", "--to", "html", "-o", "shade.html"}).status, 0);
+        run_ok(folder, {"export", "shade.srbf", "--to", "html", "-o", "shade.html"});
         EXPECT_CONTAINS(read_text(folder / "shade.html"), "name='behind'");
     }
     expect_failure(1, {"export", "shade.srbf", "--to", "html", "--reference", "shade.xml", "-o", "x.html"},
@@ -96,7 +94,7 @@ TEST_F(BsdfCommand, ComparesConvertsAndExports) {
     BsdfModel film;  // each part takes seconds
     film.part[std::size_t(Part::transmission_front)] = random_part(1, {.lobes = 1});
     ASSERT_TRUE(save_model({film, {}}, folder / "film.srbf").ok());
-    ASSERT_EQ(run_srbf(folder, {"export", "film.srbf", "--to", "three", "-o", "film.js"}).status, 0);
+    run_ok(folder, {"export", "film.srbf", "--to", "three", "-o", "film.js"});
     EXPECT_CONTAINS(read_text(folder / "film.js"), "class FilmTransmissionFrontMaterial");
 }
 
@@ -105,8 +103,7 @@ TEST_F(BsdfCommand, FitsViewByViewAndByLambertAndGgx) {
         std::vector<std::string> fit{"fit",           "shade.xml", "--model", model,    "-o",
                                      model + ".srbf", "--threads", "1",       "--json", model + ".json"};
         if (model == "su") fit.insert(fit.end(), {"--directions", "96", "--lobes", "2"});
-        const ProgramRun fit_run = run_srbf(folder, fit);
-        ASSERT_EQ(fit_run.status, 0) << fit_run.err;
+        run_ok(folder, fit);
         const Json report = Json::parse(read_text(folder / (model + ".json")));
         ASSERT_EQ(report["parts"].size(), 4u);
         for (const Json& part : report["parts"])  // the matrix is piecewise constant
@@ -122,8 +119,7 @@ TEST_F(BsdfCommand, FitsViewByViewAndByLambertAndGgx) {
               {"export", model + ".srbf", "--to", "html", "-o", model + ".html"},
               {"render", model + ".srbf", "--size", "16x12", "--spp", "1", "-o", model + ".png"}}) {
             if (!is_offered(command)) continue;
-            const ProgramRun command_run = run_srbf(folder, command);
-            EXPECT_EQ(command_run.status, 0) << command_run.err;
+            run_ok(folder, command);
         }
         EXPECT_EQ(std::filesystem::exists(folder / (model + "_reflection_front.data")), model == "su");
     }
@@ -160,9 +156,8 @@ TEST_F(BsdfCommand, FitsAShadeAmongOtherFiles) {
 TEST_F(BsdfCommand, AShadeLetsLightIntoARoom) {
     if (!is_offered({"render"})) GTEST_SKIP() << "without srbf render";
     ASSERT_EQ(fitted.status, 0) << fitted.err;
-    const ProgramRun drawn = run_srbf(folder, {"render", "shade.xml", "shade.srbf", "--scene", "room", "--size",
-                                               "24x16", "--spp", "16", "-o", "room.exr"});
-    ASSERT_EQ(drawn.status, 0) << drawn.err;
+    run_ok(folder, {"render", "shade.xml", "shade.srbf", "--scene", "room", "--size", "24x16", "--spp", "16", "-o",
+                    "room.exr"});
     expect_failure(2, {"render", "shade.xml", "--scene", "garden", "-o", "x.png"}, "--scene");
 }
 

@@ -295,9 +295,8 @@ TEST(Render, WritesAPictureOfEachFileSideBySide) {
     ASSERT_TRUE(save_model({film_pm(), {}}, folder / "pm.srbf").ok());
     ASSERT_TRUE(save_model({film_su(), {}}, folder / "su.srbf").ok());
     const ProgramRun made =
-        run_srbf(folder, {"render", bundled_data() / "cc_ibiza_sunset_rgb.bsdf", "su.srbf", "pm.srbf", "--renderer",
-                          "raster", "--mesh", "knot", "--size", "160x120", "-o", "x.png"});
-    EXPECT_EQ(made.status, 0) << made.err;
+        run_ok(folder, {"render", bundled_data() / "cc_ibiza_sunset_rgb.bsdf", "su.srbf", "pm.srbf", "--renderer",
+                        "raster", "--mesh", "knot", "--size", "160x120", "-o", "x.png"});
     EXPECT_EQ(made.err, "");
     const std::string png = read_text(folder / "x.png");
     ASSERT_TRUE(png.starts_with("\x89PNG\r\n\x1a\n"));
@@ -373,8 +372,7 @@ Image rendered(const TemporaryFolder& folder, std::vector<std::string> arguments
     arguments.push_back(renderer);
     if (renderer == std::string("path"))
         arguments.insert(arguments.end(), {"--no-ground", "--no-occlusion", "--env", "none", "--spp", "16"});
-    const ProgramRun made = run_srbf(folder, arguments);
-    EXPECT_EQ(made.status, 0) << made.err;
+    run_ok(folder, arguments);
     const auto bytes = read_file(folder / "x.exr");
     return bytes ? *read_exr(*bytes, "x.exr") : Image(64, 64);
 }

@@ -258,7 +258,7 @@ TEST_F(Report, KeepsStudiesOfTheSameInputAndOptionsAlone) {
     write_text(other / "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 2\nf 1 2 3\nf 1 2 4\n# a\n");
     const Arguments base{"report", "nickel.binary", "-o", "o", "--least"};
     const auto studies_after = [&](const Arguments& more) {
-        EXPECT_EQ(run_srbf(other, base + more).status, 0);
+        run_ok(other, base + more);
         return completed_folders(other / "o");
     };
     const auto first_studies = studies_after({});
@@ -275,7 +275,7 @@ TEST_F(Report, KeepsStudiesOfTheSameInputAndOptionsAlone) {
         EXPECT_EQ(studies_after({"--mesh", "m.obj"}).size(), file[0] == 'm' ? 4u : 5u);
     }
     fs::copy(other / "nickel.binary", other / "matt.binary");
-    EXPECT_EQ(run_srbf(other, {"report", "matt.binary", "-o", "o", "--least"}).status, 0);
+    run_ok(other, {"report", "matt.binary", "-o", "o", "--least"});
     EXPECT_EQ(completed_folders(other / "o").size(), 6u);
 }
 

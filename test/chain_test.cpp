@@ -15,7 +15,7 @@ namespace {
 class Chain : public CommandLine {
   protected:
     void SetUp() override {
-        write_text(folder / "p.csv",
+        write_text(folder / "pairs.csv",
                    "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n0.6,0,0.8,0,0,1\n0.8,0,0.6,0,0,1\n0.96,0,0.28,0,0,1\n"
                    "0.28,0,0.96,0.6,0,0.8\n0.96,0,0.28,0.28,0,0.96\n0.6,0,0.8,-0.8,0,0.6\n0,0.6,0.8,0.6,0,0.8\n");
         std::mt19937_64 random(1);
@@ -40,58 +40,50 @@ TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
                                       {"ggx.srbf", ggx},
                                       {"spectral.srbf", spectral}})
         ASSERT_TRUE(save_model(model, folder / name).ok());
-    const auto done = [&](const Arguments& arguments) {
-        const ProgramRun ended = run_ok(folder, arguments);
-        return ended.out;
-    };
-    Arguments readable{"pm.srbf", "bsdf.srbf", "su.srbf", "ggx.srbf", "spectral.srbf", "map.srbf#1"};
-    const auto convert = [&](const char* input, const std::string& output) {
-        Arguments arguments{"convert", input, "-o", output};
-        if (output.ends_with(".csv")) arguments.insert(arguments.end(), {"--directions", "4"});
-        done(arguments), readable.push_back(output);
-    };
-    for (const char* output : {"t.binary", "t.bsdf", "t.mbsdf", "t.csv"}) convert("pm.srbf", output);
-    for (const char* output : {"both.mbsdf", "both.csv"}) convert("bsdf.srbf", output);
-    for (const char* model : {"pm.srbf", "spectral.srbf", "t.binary"}) {
-        const std::string output = std::string("eval_") + model + ".csv";
-        write_text(folder / output, done({"eval", model, "--pairs", "p.csv"}));
-        readable.push_back(output);
-    }
-    done({"fit", "t.csv", "--model", "ggx", "--objective", "raw", "-o", "fit.srbf"}), readable.push_back("fit.srbf");
+    for (const char* output : {"table.binary", "table.bsdf", "table.mbsdf"})
+        run_ok(folder, {"convert", "pm.srbf", "-o", output});
+    run_ok(folder, {"convert", "bsdf.srbf", "-o", "both.mbsdf"});
+    for (const char* name : {"pm", "bsdf"})
+        run_ok(folder, {"convert", name + std::string(".srbf"), "-o", name + std::string(".csv"), "--directions", "4"});
+    for (const std::string model : {"pm.srbf", "spectral.srbf", "table.binary"})
+        write_text(folder / ("eval_" + model + ".csv"), run_ok(folder, {"eval", model, "--pairs", "pairs.csv"}).out);
+    run_ok(folder, {"fit", "pm.csv", "--model", "ggx", "--objective", "raw", "-o", "fit.srbf"});
 
-    for (const std::string& file : readable) {
-        done({"info", file});
-        done({"eval", file, "--pairs", "p.csv"});
+    for (const std::string file : {"pm.srbf", "bsdf.srbf", "su.srbf", "ggx.srbf", "spectral.srbf", "map.srbf#1",
+                                   "fit.srbf", "table.binary", "table.bsdf", "table.mbsdf", "both.mbsdf", "pm.csv",
+                                   "bsdf.csv", "eval_pm.srbf.csv", "eval_spectral.srbf.csv", "eval_table.binary.csv"}) {
+        run_ok(folder, {"info", file});
+        run_ok(folder, {"eval", file, "--pairs", "pairs.csv"});
         Arguments again{"convert", file, "-o", "again.csv"};
         if (!file.ends_with(".csv")) again.insert(again.end(), {"--directions", "3"});
-        done(again);
-        if (file == "both.csv") continue;  // pictures and fits of scattered samples of two sides take seconds
-        if (is_offered({"render"})) done({"render", file, "-o", "x.png", "--size", "4x4", "--spp", "1"});
+        run_ok(folder, again);
+        if (file == "bsdf.csv") continue;  // pictures and fits of scattered samples of two sides take seconds
+        if (is_offered({"render"})) run_ok(folder, {"render", file, "-o", "x.png", "--size", "4x4", "--spp", "1"});
         if (file.find("srbf") != file.npos && file.find(".csv") == file.npos)
-            done({"export", file, "--to", "c", "-o", "x.h"});
+            run_ok(folder, {"export", file, "--to", "c", "-o", "x.h"});
         else if (!file.ends_with(".csv"))
-            done(k_quick_fit + Arguments{file, "-o", "x.srbf"});
+            run_ok(folder, k_quick_fit + Arguments{file, "-o", "x.srbf"});
         else if (file == "eval_spectral.srbf.csv")
-            done({"fit", file, "--model", "ggx", "--objective", "raw", "-o", "x.srbf"});
+            run_ok(folder, {"fit", file, "--model", "ggx", "--objective", "raw", "-o", "x.srbf"});
     }
     if (!is_offered({"render"})) return;
-    done({"render", "pm.srbf", "-o", "x.exr", "--size", "8x8", "--spp", "1"});
-    done({"render", "pm.srbf", "-o", "x.png", "--size", "8x8", "--spp", "1", "--compare", "x.exr"});
-    done({"render", "pm.srbf", "-o", "y.png", "--size", "8x8", "--spp", "1", "--env", "x.exr"});
+    run_ok(folder, {"render", "pm.srbf", "-o", "x.exr", "--size", "8x8", "--spp", "1"});
+    run_ok(folder, {"render", "pm.srbf", "-o", "x.png", "--size", "8x8", "--spp", "1", "--compare", "x.exr"});
+    run_ok(folder, {"render", "pm.srbf", "-o", "y.png", "--size", "8x8", "--spp", "1", "--env", "x.exr"});
 }
 
 TEST_F(Chain, TexelsOfAMapAreNamedByNumberAndPlace) {
     const ProgramRun whole = run_ok(folder, {"info", "map.srbf"});
     EXPECT_CONTAINS(whole.out, "1 × 2 texels of 2 shared lobes");
-    ASSERT_TRUE(save_model(texel(map_, 1), folder / "m.srbf").ok());
+    ASSERT_TRUE(save_model(texel(map_, 1), folder / "model.srbf").ok());
     for (const char* name : {"map.srbf#1", "map.srbf#0,1"})
-        EXPECT_EQ(run_srbf(folder, {"eval", name, "--pairs", "p.csv"}).out,
-                  run_srbf(folder, {"eval", "m.srbf", "--pairs", "p.csv"}).out);
+        EXPECT_EQ(run_srbf(folder, {"eval", name, "--pairs", "pairs.csv"}).out,
+                  run_srbf(folder, {"eval", "model.srbf", "--pairs", "pairs.csv"}).out);
     expect_failure(1, {"info", "map.srbf#2"}, "map.srbf#2: texel: expected 0 to 1, or 0,0 to 0,1, found 2");
-    expect_failure(1, {"info", "m.srbf#0"}, "expected a map, of which # names a texel, found a model");
-    expect_failure(1, {"eval", "map.srbf", "--pairs", "p.csv"}, "a map of texels, which map.srbf#X,Y names");
+    expect_failure(1, {"info", "model.srbf#0"}, "expected a map, of which # names a texel, found a model");
+    expect_failure(1, {"eval", "map.srbf", "--pairs", "pairs.csv"}, "a map of texels, which map.srbf#X,Y names");
     expect_failure(1, {"info", "missing#0"}, "missing: cannot be read");
-    std::filesystem::copy(folder / "m.srbf", folder / "m#7");
+    std::filesystem::copy(folder / "model.srbf", folder / "m#7");
     run_ok(folder, {"info", "m#7"});
 }
 
@@ -122,23 +114,24 @@ TEST_F(Chain, EvalTakesConstantMemory) {
 TEST_F(Chain, EvalReadsLinesOfAnyKind) {
     const std::string header = "name,wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", row = "0,0,1,0,0,1";
     const auto eval = [&](const std::string& csv) {
-        write_text(folder / "q.csv", csv);
-        return run_srbf(folder, {"eval", "map.srbf#0", "--pairs", "q.csv"});
+        write_text(folder / "lines.csv", csv);
+        return run_srbf(folder, {"eval", "map.srbf#0", "--pairs", "lines.csv"});
     };
     const std::string plain = eval(header + "\nx," + row + "\n").out;
     EXPECT_EQ(std::ranges::count(plain, '\n'), 2);
     EXPECT_EQ(eval("\xef\xbb\xbf" + header + "\r\n\r\n\"x, y\"," + row).out, plain);
     EXPECT_EQ(eval(header + "\n").out, plain.substr(0, plain.find('\n') + 1));
     const std::string name(1'100'000, 'x');
-    write_text(folder / "q.csv", header + "\n" + name + "," + row + "\n");
-    expect_failure(1, {"eval", "map.srbf#0", "--pairs", "q.csv"}, "line 2: length: expected less than 1048576 bytes");
+    write_text(folder / "lines.csv", header + "\n" + name + "," + row + "\n");
+    expect_failure(1, {"eval", "map.srbf#0", "--pairs", "lines.csv"},
+                   "line 2: length: expected less than 1048576 bytes");
     // Blocks end anywhere within lines.
     std::string many = header + "\n";
     for (int i = 0; i < 60'000; ++i) many += std::string(std::size_t(i % 50), 'n') + "," + row + "\n";
     const std::string all = eval(many).out;
     EXPECT_EQ(std::ranges::count(all, '\n'), 60'001);
-    write_text(folder / "q.csv", many + "x,0,0,2,0,0,1\n");
-    EXPECT_CONTAINS(run_srbf(folder, {"eval", "map.srbf#0", "--pairs", "q.csv"}).err, "line 60002: direction wl");
+    write_text(folder / "lines.csv", many + "x,0,0,2,0,0,1\n");
+    EXPECT_CONTAINS(run_srbf(folder, {"eval", "map.srbf#0", "--pairs", "lines.csv"}).err, "line 60002: direction wl");
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Fits that exceed the measurement between the rows that they have seen.
+// A fit may exceed the measurement between the pairs it was fitted to. Such pairs are found and added to the
+// observations.
 #include "observe/bound.h"
 
 #include "brdf/directions.h"
@@ -10,7 +11,7 @@
 namespace srbf::excess_test {
 namespace {
 
-Observations grey() {
+Observations lambertian_observations() {
     return *observe(
         [](auto, auto, auto f) {
             std::fill(f.begin(), f.end(), Rgb{0.3f, 0.3f, 0.3f});
@@ -33,7 +34,7 @@ PmModel with_spike() {
 }
 
 TEST(Excess, PairsThatExceedTheMeasurementAreFound) {
-    const Observations o = grey();
+    const Observations o = lambertian_observations();
     const double largest = largest_measured(o);
     EXPECT_WITHIN(largest, 0.3, 1e-3);  // at the normal
     const std::vector<std::size_t> where = exceeded_pairs(o, 4096, with_spike(), largest);
@@ -41,7 +42,7 @@ TEST(Excess, PairsThatExceedTheMeasurementAreFound) {
     std::size_t next = 0, expected = 0;
     for (std::size_t i = 4096; i < o.f.size(); ++i) {
         const double f = double(value(with_spike(), o.wl[i], o.wv[i]).r) * double(o.wl[i].z) * double(o.wv[i].z);
-        if (std::abs(f / (1.6 * largest) - 1) < 1e-3) continue;  // either will do
+        if (std::abs(f / (1.6 * largest) - 1) < 1e-3) continue;  // at the threshold, rounding decides
         if (f < 1.6 * largest) continue;
         ++expected;
         while (next < where.size() && where[next] < i) ++next;
@@ -52,7 +53,7 @@ TEST(Excess, PairsThatExceedTheMeasurementAreFound) {
 }
 
 TEST(Excess, PairsBecomeObservationsAndThenWeighMore) {
-    Observations o = grey();
+    Observations o = lambertian_observations();
     const std::size_t first = o.fitted_count(), bound_pairs = o.bound_pairs;
     const std::size_t taken = add_exceeded_pairs(o, first, with_spike(), 0.01);
     ASSERT_GT(taken, 0u);
@@ -73,7 +74,7 @@ TEST(Excess, PairsBecomeObservationsAndThenWeighMore) {
 
 // The search's subsets grow only by pairs at which a candidate exceeds the measurement.
 TEST(Subsets, GrowByPairsAtWhichCandidatesExceedTheMeasurement) {
-    const Observations o = grey();
+    const Observations o = lambertian_observations();
     const PmFitOptions options{.form = PmForm::gaussian, .axial = false, .lobes = 1, .variates = 1};
     Subsets subsets(o);
     const auto rows = [&] { return subsets.rows(Pairs::search, {.albedos = false}).wl[0].size(); };

@@ -21,10 +21,13 @@ struct Task {
     std::vector<std::string> outputs;
 };
 
+/// What a failure does, if it is not the number of an error.
+constexpr int k_kill = 0, k_stop = -1;
+
 struct Failure {
     std::string call;
-    long index = -1;  ///< index of the call that fails; −1: none
-    int error = 0;
+    long index = -1;     ///< index of the call that fails; −1: none
+    int error = k_kill;  ///< the number of the error, `k_kill` or `k_stop`
 };
 
 std::string text(const Failure& failure) {
@@ -120,7 +123,7 @@ class Failures : public CommandLine {
         return result.status == 0;
     }
 
-    /// Lets each system call fail in turn.
+    /// Makes each system call fail in turn.
     void try_system_calls(const Task& task, const std::vector<std::string>& kinds, const std::vector<int>& errors) {
         const auto expected = complete_outputs(task);
         for (const std::string& call : kinds)
@@ -136,7 +139,7 @@ class Failures : public CommandLine {
                     if (HasFailure()) return;
                 }
     }
-    /// Lets the first allocations fail, and some random ones.
+    /// Makes the first allocations fail, and some random ones.
     void try_allocations(const Task& task, long first, long random_ones) {
         const auto expected = complete_outputs(task);
         std::optional<long> total;
@@ -174,10 +177,10 @@ TEST_F(Failures, KilledRunsResume) {
     const auto expected = complete_outputs(many_);
     for (const std::string call : {"write", "fsync", "rename"})
         for (long index = 0;; index += 29) {
-            SCOPED_TRACE(text({call, index, 0}));
+            SCOPED_TRACE(text({call, index, k_kill}));
             fs::remove_all(folder / "models");
             std::optional<long> calls;
-            run_with(many_, {call, index, 0}, calls);
+            run_with(many_, {call, index, k_kill}, calls);
             run_ok(folder, many_.arguments);
             for (const auto& [name, content] : expected)
                 if (name.ends_with(".srbf")) {
@@ -199,7 +202,7 @@ TEST_F(Failures, ConcurrentRunsLeaveAMatchingPair) {
                           captured / input, captured / "err");
     };
     // The first run stops between the two renames. The second may end before the first continues, or wait for it.
-    const pid_t first = with_failure({"rename", 1, -1}, captured / "count", [&] { return start_fit("a.binary"); });
+    const pid_t first = with_failure({"rename", 1, k_stop}, captured / "count", [&] { return start_fit("a.binary"); });
     int status = 0;
     ASSERT_EQ(::waitpid(first, &status, WUNTRACED), first);
     ASSERT_TRUE(WIFSTOPPED(status));

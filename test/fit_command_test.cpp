@@ -171,11 +171,11 @@ TEST_F(FitCommand, FitsSpectra) {
     EXPECT_CONTAINS(run_srbf(folder, {"info", "s.srbf"}).out, "5, 400 to 700 nm");
 
     // The model is evaluated at wavelengths unless colours are requested, the measurement only on request.
-    write_text(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0.6,0,0.8\n0.6,0,0.8,-0.6,0,0.8\n");
+    write_text(folder / "pairs.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0.6,0,0.8\n0.6,0,0.8,-0.6,0,0.8\n");
     const std::string directions = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", nm = ",400nm,450.5nm,500nm,600nm,700nm\n";
     for (const Arguments& arguments :
          {Arguments{"s.srbf"}, {"s.srbf", "--channels", "spectral"}, {"s.brdf", "--channels", "spectral"}}) {
-        const ProgramRun eval = run_ok(folder, Arguments{"eval", "--pairs", "p.csv"} + arguments);
+        const ProgramRun eval = run_ok(folder, Arguments{"eval", "--pairs", "pairs.csv"} + arguments);
         EXPECT_TRUE(eval.out.starts_with(directions + nm)) << eval.out;
         // The output is a measurement at wavelengths again.
         const auto samples = read_csv(as_bytes(eval.out), "e", {});
@@ -185,7 +185,7 @@ TEST_F(FitCommand, FitsSpectra) {
             EXPECT_WITHIN(samples->spectrum[5 + c], 0.02 * double(c + 1) + 0.3, 0.06) << c;
     }
     for (const Arguments& arguments : {Arguments{"s.brdf"}, {"s.srbf", "--channels", "rgb"}}) {
-        const ProgramRun eval = run_srbf(folder, Arguments{"eval", "--pairs", "p.csv"} + arguments);
+        const ProgramRun eval = run_srbf(folder, Arguments{"eval", "--pairs", "pairs.csv"} + arguments);
         EXPECT_TRUE(eval.out.starts_with(directions + ",r,g,b\n")) << eval.out;
     }
 }

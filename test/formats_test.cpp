@@ -129,9 +129,9 @@ TEST(Formats, LargeValuesAreKeptOrRefused) {
     // f of 10⁷ by a log scale.
     pm.coefficient = {{100, 100, 100}}, pm.log_scale = {11.5f};
     ASSERT_TRUE(save_model({pm, {}}, folder / "m.srbf").ok());
-    write_text(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0.6,0.8,0.6,0,0.8\n");
+    write_text(folder / "pairs.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0.6,0.8,0.6,0,0.8\n");
     const auto red = [&](const std::string& file) {
-        const std::string row = run_srbf(folder, {"eval", file, "--pairs", "p.csv"}).out;
+        const std::string row = run_srbf(folder, {"eval", file, "--pairs", "pairs.csv"}).out;
         const auto line = row.substr(row.find('\n') + 1);
         std::size_t at = 0;
         for (int comma = 0; comma < 6; ++comma) at = line.find(',', at) + 1;

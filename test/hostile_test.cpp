@@ -257,7 +257,7 @@ TEST_F(Hostile, ErrorsNameTheFailingPath) {
     const std::string loop = elsewhere / "loop";
     fs::create_symlink("loop", loop);
     write_text(folder / "file", "");
-    write_text(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n");
+    write_text(folder / "pairs.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n");
     std::mt19937_64 random(1);
     ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "m.srbf").ok());
     for (const std::string& path : {loop, loop + "/x", std::string("file/x"), std::string(300, 'x')}) {
@@ -267,7 +267,7 @@ TEST_F(Hostile, ErrorsNameTheFailingPath) {
                                            {"compare", path, "m.srbf"},
                                            {"compare", "m.srbf", path},
                                            {"convert", path, "-o", "x.csv"},
-                                           {"eval", path, "--pairs", "p.csv"},
+                                           {"eval", path, "--pairs", "pairs.csv"},
                                            {"eval", "m.srbf", "--pairs", path},
                                            {"render", path, "-o", "x.png"},
                                            {"render", "m.srbf", "-o", "x.png", "--env", path},

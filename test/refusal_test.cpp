@@ -9,11 +9,11 @@ namespace {
 using Refusal = CommandLine;
 
 TEST_F(Refusal, SpectraOfColoursAreRefused) {
-    write_text(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n");
+    write_text(folder / "pairs.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n");
     write_text(folder / "c.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0,1,0,0,1,1\n");
     for (const std::string& file : {k_paper, std::string("c.csv")}) {
         expect_failure(1, {"fit", file, "--channels", "spectral"}, "expected a measurement at wavelengths");
-        expect_failure(1, {"eval", file, "--pairs", "p.csv", "--channels", "spectral"}, "found one of colours");
+        expect_failure(1, {"eval", file, "--pairs", "pairs.csv", "--channels", "spectral"}, "found one of colours");
     }
     for (const char* model : {"su", "ggx"})
         expect_failure(2, {"fit", k_paper, "--channels", "spectral", "--model", model},
@@ -138,12 +138,13 @@ TEST_F(Refusal, UsageErrorsNameWhatIsWrong) {
         {{"fit", k_paper, "two"}, "--output"},
         {{"fit", k_paper, "--resume"}, "--output"},
         {{"fit", k_paper, "two", "-o", "d", "--json", "r.json"}, "--json"},
-        {{"map", "t.npy", "-o", "d"}, "--pairs"},
-        {{"map", "t.npy", "--pairs", "p.csv"}, "--output"},
-        {{"map", "t.npy", "--pairs", "p.csv", "-o", "d", "--model", "ggx"}, "--model"},
-        {{"map", "t.npy", "--pairs", "p.csv", "--masks", "m.npy", "-o", "d"}, "either --pairs or --masks"},
-        {{"map", "t.bsdf", "--masks", "m.npy", "-o", "d", "--width", "2"}, "--width: only with --pairs"},
-        {{"map", "t.npy", "--pairs", "p.csv", "-o", "d", "--lobes", "257"}, "--lobes: expected 1 to 256, found 257"},
+        {{"map", "texels.npy", "-o", "d"}, "--pairs"},
+        {{"map", "texels.npy", "--pairs", "pairs.csv"}, "--output"},
+        {{"map", "texels.npy", "--pairs", "pairs.csv", "-o", "d", "--model", "ggx"}, "--model"},
+        {{"map", "texels.npy", "--pairs", "pairs.csv", "--masks", "masks.npy", "-o", "d"}, "either --pairs or --masks"},
+        {{"map", "t.bsdf", "--masks", "masks.npy", "-o", "d", "--width", "2"}, "--width: only with --pairs"},
+        {{"map", "texels.npy", "--pairs", "pairs.csv", "-o", "d", "--lobes", "257"},
+         "--lobes: expected 1 to 256, found 257"},
         {{"fit", "--bogus"}, "--bogus"},
         {{"fit", k_paper, "--bogus"}, "--bogus"},
         {{"info"}, "FILE"},

@@ -458,73 +458,94 @@ void expect_written(const ScatteredSamples& samples, const std::string& header) 
 
 /// The same function is read from names, units, separators and azimuths as instruments and spreadsheets write them.
 TEST(Csv, ReadsCommonLayouts) {
-    const auto full = [](double l, double v, double phi) { return fmt::format("{} 0 {} {}", l, v, phi); };
+    // Each function writes the angles of a sample as a row of a layout.
+    const auto degrees = [](double l, double v, double phi) { return fmt::format("{} 0 {} {}", l, v, phi); };
     const auto radians = [](double l, double v, double phi) {
         return fmt::format("{:.6f} 0 {:.6f} {:.6f}", l * k_degree, v * k_degree, phi * k_degree);
     };
-    const auto from_mirror = [](double l, double v, double phi) { return fmt::format("{} {} {}", l, v, phi - 180); };
-    const auto relative = [](double l, double v, double phi) { return fmt::format("{} {} {}", l, v, phi); };
-    const auto detector = [](double l, double v, double phi) { return fmt::format("{} {}", l, phi == 180 ? v : -v); };
-    const auto opposite = [](double l, double v, double phi) { return fmt::format("{} {}", -l, phi == 180 ? v : -v); };
-    const auto exchanged = [](double l, double v, double phi) { return fmt::format("{} 180 {} {}", l, v, 180 + phi); };
-    const auto extra = [](double l, double v, double phi) { return fmt::format("{} 0 {} {} 7", l, v, phi); };
-    const auto stage = [](double l, double v, double phi) { return fmt::format("{} 0 {} {} 12.5 3 0", l, v, phi); };
-    const auto both = [](double l, double v, double phi) { return fmt::format("{} 0 {} {} 0", l, v, phi); };
-    const auto phase = [](double l, double v, double phi) {
+    const auto azimuth_from_mirror = [](double l, double v, double phi) {
+        return fmt::format("{} {} {}", l, v, phi - 180);
+    };
+    const auto relative_azimuth = [](double l, double v, double phi) { return fmt::format("{} {} {}", l, v, phi); };
+    const auto signed_detector = [](double l, double v, double phi) {
+        return fmt::format("{} {}", l, phi == 180 ? v : -v);
+    };
+    const auto signed_light = [](double l, double v, double phi) {
+        return fmt::format("{} {}", -l, phi == 180 ? v : -v);
+    };
+    const auto light_at_180 = [](double l, double v, double phi) {
+        return fmt::format("{} 180 {} {}", l, v, 180 + phi);
+    };
+    const auto with_radiance = [](double l, double v, double phi) { return fmt::format("{} 0 {} {} 7", l, v, phi); };
+    const auto with_stage = [](double l, double v, double phi) {
+        return fmt::format("{} 0 {} {} 12.5 3 0", l, v, phi);
+    };
+    const auto with_polarizations = [](double l, double v, double phi) {
+        return fmt::format("{} 0 {} {} 0", l, v, phi);
+    };
+    const auto phase_angle = [](double l, double v, double phi) {
         const double g = std::acos(dot(spherical(l * k_degree, 0.0), spherical(v * k_degree, phi * k_degree)));
         return fmt::format("{} {} {:.6f}", l, v, g / k_degree);
     };
-    const auto aspecular = [](double l, double v, double phi) {
+    const auto aspecular_angle = [](double l, double v, double phi) {
         return fmt::format("{} {}", l, phi == 180 ? l - v : l + v);
     };
     constexpr Quantity factor = Quantity::factor, bsdf = Quantity::bsdf;
     struct Case {
         WrittenTable table;
-        std::string columns, note;
+        std::string note, columns = {};
         bool in_plane = false;
         Quantity quantity = Quantity::stated;
     };
     const Case cases[] = {
-        {{"theta_l_deg;phi_l_deg;theta_v_deg;phi_v_deg;value", ";", ",", full}, "", "decimal comma"},
-        {{"theta_l_deg\tphi_l_deg\ttheta_v_deg\tphi_v_deg\tvalue", "\t", ",", full}, "", "decimal comma"},
-        {{"theta_l_deg phi_l_deg theta_v_deg phi_v_deg value", " ", ".", full}, "", ""},
-        {{"Instrument: X\nDate; 5 May\n\ntheta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,value", ",", ".", full}, "", ""},
-        {{"# theta_i phi_i theta_o phi_o brdf", " ", ".", full}, "", "light: theta_i, phi_i; viewer: theta_o, phi_o"},
-        {{"theta-in,phi-in,theta-out,phi-out,BRDF", ",", ".", full}, "", "angles are in degrees"},
-        {{"Theta_i [rad],Phi_i [rad],Theta_s [rad],Phi_s [rad],BRDF [1/sr]", ",", ".", radians}, "", "viewer: Theta_s"},
-        {{"theta_i,phi_i,theta_r,phi_r,f_r", ",", ".", radians}, "", "angles are in radians"},
-        {{"θi (°),φi (°),θr (°),φr (°),BRDF (sr^-1)", ",", ".", full}, "", "light: θi"},
-        {{"incident_zenith,incident_azimuth,view_zenith,view_azimuth,L_o,brdf", ",", ".", extra}, "", "not read: L_o"},
-        {{"phi_i,theta_i,phi_o,theta_o,brdf", ",", ".", exchanged}, "", "phi_i and phi_o are polar angles"},
-        {{"theta_l_deg,theta_v_deg,dphi_deg,value", ",", ".", relative}, "", "viewer: theta_v_deg, dphi_deg"},
-        {{"theta_l_deg,theta_v_deg,phi_v_deg,value", ",", ".", relative}, "", "azimuth of the light is not stated"},
-        {{"theta_l_deg,theta_v_deg,phi_v_deg,value", ",", ".", from_mirror}, "phi_l_deg=180", ""},
-        {{"no header", " ", ".", from_mirror}, "theta_l_deg,theta_v_deg,phi_v_deg,value,phi_l_deg=180", ""},
-        {{"no header", ";", ",", full}, "theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,value", "decimal comma"},
-        {{"aoi_deg,detector_angle_deg,brdf", ",", ".", detector}, "", "mirror side", true},
-        {{"theta_i,theta_s,brdf", ",", ".", opposite}, "", "mirror side", true},
-        {{"theta_i,phi_i,theta_o,phi_o,reflectance factor", ",", ".", full, Quantity::factor},
-         "",
+        {{"theta_l_deg;phi_l_deg;theta_v_deg;phi_v_deg;value", ";", ",", degrees}, "decimal comma"},
+        {{"theta_l_deg\tphi_l_deg\ttheta_v_deg\tphi_v_deg\tvalue", "\t", ",", degrees}, "decimal comma"},
+        {{"theta_l_deg phi_l_deg theta_v_deg phi_v_deg value", " ", ".", degrees}, ""},
+        {{"Instrument: X\nDate; 5 May\n\ntheta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,value", ",", ".", degrees}, ""},
+        {{"# theta_i phi_i theta_o phi_o brdf", " ", ".", degrees}, "light: theta_i, phi_i; viewer: theta_o, phi_o"},
+        {{"theta-in,phi-in,theta-out,phi-out,BRDF", ",", ".", degrees}, "angles are in degrees"},
+        {{"Theta_i [rad],Phi_i [rad],Theta_s [rad],Phi_s [rad],BRDF [1/sr]", ",", ".", radians}, "viewer: Theta_s"},
+        {{"theta_i,phi_i,theta_r,phi_r,f_r", ",", ".", radians}, "angles are in radians"},
+        {{"θi (°),φi (°),θr (°),φr (°),BRDF (sr^-1)", ",", ".", degrees}, "light: θi"},
+        {{"incident_zenith,incident_azimuth,view_zenith,view_azimuth,L_o,brdf", ",", ".", with_radiance},
+         "not read: L_o"},
+        {{"phi_i,theta_i,phi_o,theta_o,brdf", ",", ".", light_at_180}, "phi_i and phi_o are polar angles"},
+        {{"theta_l_deg,theta_v_deg,dphi_deg,value", ",", ".", relative_azimuth}, "viewer: theta_v_deg, dphi_deg"},
+        {{"theta_l_deg,theta_v_deg,phi_v_deg,value", ",", ".", relative_azimuth}, "azimuth of the light is not stated"},
+        {{"theta_l_deg,theta_v_deg,phi_v_deg,value", ",", ".", azimuth_from_mirror}, "", "phi_l_deg=180"},
+        {{"no header", " ", ".", azimuth_from_mirror}, "", "theta_l_deg,theta_v_deg,phi_v_deg,value,phi_l_deg=180"},
+        {{"no header", ";", ",", degrees}, "decimal comma", "theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,value"},
+        {.table = {"aoi_deg,detector_angle_deg,brdf", ",", ".", signed_detector},
+         .note = "mirror side",
+         .in_plane = true},
+        {.table = {"theta_i,theta_s,brdf", ",", ".", signed_light}, .note = "mirror side", .in_plane = true},
+        {{"theta_i,phi_i,theta_o,phi_o,reflectance factor", ",", ".", degrees, Quantity::factor},
          "reflectance factors"},
-        {{"theta_i,phi_i,theta_o,phi_o,ccBRDF", ",", ".", full, Quantity::cosine}, "", "f cosθ"},
-        {{"theta_i,phi_i,theta_o,phi_o,brdf", ",", ".", full, Quantity::cosine}, "", "light", false, Quantity::cosine},
-        {{"theta_i,phi_i,theta_o,phi_o,brdf", ",", ".", full, Quantity::factor}, "", "light", false, Quantity::factor},
-        {{"sun_zenith,sun_azimuth,sensor_zenith,sensor_azimuth,reflectance", ",", ".", full, factor}, "", "factors"},
-        {{"to-sun zenith,to-sun azimuth,to-sensor zn,to-sensor az,R550", ",", ".", full, factor}, "", "factors"},
-        {{"src_z,src_a,view_z,view_a,550", ",", ".", full}, "", "viewer: view_z, view_a"},
-        {{"theta_src,phi_src,theta_d,phi_d,0.55 µm", ",", ".", full}, "", "viewer: theta_d, phi_d"},
-        {{"sza,vza,raa,BRF_670", ",", ".", relative, factor}, "", "relative azimuth of 0 is taken as backward"},
-        {{"theta_i,phi_i,theta_o,phi_o,BRF (%)", ",", ".", full, factor, 0.01}, "", "units of 0.01"},
-        {{"theta_i,phi_i,theta_o,phi_o,BRDF [1e-3/sr]", ",", ".", full, bsdf, 1e-3}, "", "units of 0.001"},
-        {{"theta_i,phi_i,theta_o,phi_o,f\n°,°,°,°,10^-3 sr^-1", ",", ".", full, bsdf, 1e-3}, "", "units of 0.001"},
-        {{"theta_i,phi_i,theta_o,phi_o,x,y,z,brdf", ",", ".", stage}, "", "not read: x, y, z"},
-        {{"theta_i,phi_i,theta_o,phi_o,brdf_s,brdf_p", ",", ".", both, bsdf, 0.5}, "", "means of both"},
-        {{"incidence,emission,phase,brdf", ",", ".", phase}, "", "viewer: emission, phase"},
-        {{"theta_i_deg,aspecular_angle_deg,brdf", ",", ".", aspecular}, "", "from the mirror direction", true},
-        {{",,,,\ntheta_i,phi_i,theta_o,phi_o,brdf\n,,,,", ",", ".", full}, "", "light"},
+        {{"theta_i,phi_i,theta_o,phi_o,ccBRDF", ",", ".", degrees, Quantity::cosine}, "f cosθ"},
+        {.table = {"theta_i,phi_i,theta_o,phi_o,brdf", ",", ".", degrees, Quantity::cosine},
+         .note = "light",
+         .quantity = Quantity::cosine},
+        {.table = {"theta_i,phi_i,theta_o,phi_o,brdf", ",", ".", degrees, Quantity::factor},
+         .note = "light",
+         .quantity = Quantity::factor},
+        {{"sun_zenith,sun_azimuth,sensor_zenith,sensor_azimuth,reflectance", ",", ".", degrees, factor}, "factors"},
+        {{"to-sun zenith,to-sun azimuth,to-sensor zn,to-sensor az,R550", ",", ".", degrees, factor}, "factors"},
+        {{"src_z,src_a,view_z,view_a,550", ",", ".", degrees}, "viewer: view_z, view_a"},
+        {{"theta_src,phi_src,theta_d,phi_d,0.55 µm", ",", ".", degrees}, "viewer: theta_d, phi_d"},
+        {{"sza,vza,raa,BRF_670", ",", ".", relative_azimuth, factor}, "relative azimuth of 0 is taken as backward"},
+        {{"theta_i,phi_i,theta_o,phi_o,BRF (%)", ",", ".", degrees, factor, 0.01}, "units of 0.01"},
+        {{"theta_i,phi_i,theta_o,phi_o,BRDF [1e-3/sr]", ",", ".", degrees, bsdf, 1e-3}, "units of 0.001"},
+        {{"theta_i,phi_i,theta_o,phi_o,f\n°,°,°,°,10^-3 sr^-1", ",", ".", degrees, bsdf, 1e-3}, "units of 0.001"},
+        {{"theta_i,phi_i,theta_o,phi_o,x,y,z,brdf", ",", ".", with_stage}, "not read: x, y, z"},
+        {{"theta_i,phi_i,theta_o,phi_o,brdf_s,brdf_p", ",", ".", with_polarizations, bsdf, 0.5}, "means of both"},
+        {{"incidence,emission,phase,brdf", ",", ".", phase_angle}, "viewer: emission, phase"},
+        {.table = {"theta_i_deg,aspecular_angle_deg,brdf", ",", ".", aspecular_angle},
+         .note = "from the mirror direction",
+         .in_plane = true},
+        {{",,,,\ntheta_i,phi_i,theta_o,phi_o,brdf\n,,,,", ",", ".", degrees}, "light"},
     };
     const auto csv = std::ranges::find(formats(), "CSV", &Format::name);
-    for (const auto& [table, columns, note, in_plane, quantity] : cases) {
+    for (const auto& [table, note, columns, in_plane, quantity] : cases) {
         const std::string text = table.text(in_plane);
         EXPECT_TRUE(csv->recognise(as_bytes(text)) || columns.find("theta") != columns.npos) << text;
         const auto measured = read_measured(as_bytes(text), "f", {columns, quantity, 0});

@@ -19,13 +19,15 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path k_folder = fs::path(SRBF_SOURCE_DIR) / "test" / "models";
-const std::string k_current = "1";
+const std::string k_file_version = "1";
+/// Files of this kind begin with the former name of OpenPBR, by which it is read but not written.
+constexpr const char* k_renamed = "pbr";
 /// Files that version 0.1 wrote and that need a new fit, with the reason that the error states.
 const std::map<std::string, std::string> k_refused{
     {"stack", "texels with lobes of their own"}, {"su", "shapes of lobes"}, {"su_cube", "shapes of lobes"}};
 
-/// A model of each kind that the program writes today.
-std::map<std::string, Model> models_of_today() {
+/// A model of each kind that the program writes.
+std::map<std::string, Model> current_models() {
     std::map<std::string, Model> all;
     std::mt19937_64 random(44);
     for (const PmForm form : k_forms)
@@ -87,9 +89,9 @@ std::vector<Rgb> values_in(const fs::path& csv) {
     return values;
 }
 
-/// Writes the files of today that are missing.
+/// Writes the files of the current version that are missing.
 void write_missing() {
-    const fs::path folder = k_folder / k_current;
+    const fs::path folder = k_folder / k_file_version;
     fs::create_directories(folder);
     const auto add = [&](const std::string& name, const std::vector<std::byte>& bytes) {
         const fs::path file = folder / (name + ".srbf");
@@ -99,7 +101,7 @@ void write_missing() {
         ASSERT_TRUE(loaded.ok()) << message(loaded.error());
         write_text(folder / (name + ".csv"), csv_of(values_of(*loaded)));
     };
-    for (const auto& [name, model] : models_of_today()) add(name, write_model(model));
+    for (const auto& [name, model] : current_models()) add(name, write_model(model));
 }
 
 TEST(Versions, FilesOfEachVersionKeepTheirMeaning) {
@@ -116,9 +118,9 @@ TEST(Versions, FilesOfEachVersionKeepTheirMeaning) {
         ASSERT_EQ(found.size(), expected.size());
         for (std::size_t i = 0; i < found.size(); ++i)
             for (int c = 0; c < 3; ++c) EXPECT_WITHIN(found[i][c], expected[i][c], 1e-4 * expected[i][c] + 1e-7) << i;
-        if (entry.path().parent_path().filename() != k_current) continue;
+        if (entry.path().parent_path().filename() != k_file_version) continue;
         const auto bytes = *read_file(entry.path().string());
-        if (entry.path().stem().string().starts_with("pbr")) continue;  // a kind that is written by another name now
+        if (entry.path().stem().string().starts_with(k_renamed)) continue;
         EXPECT_EQ(write_model(std::get<Model>(*loaded)), bytes);
     }
     EXPECT_GE(files, 20);
@@ -135,11 +137,11 @@ TEST(Versions, WithdrawnFilesAreRefusedInOneLine) {
 
 /// A kind of which no file is kept could change its meaning unseen.
 TEST(Versions, AFileOfEachKindIsKept) {
-    for (const auto& [name, model] : models_of_today())
-        EXPECT_TRUE(fs::exists(k_folder / k_current / (name + ".srbf"))) << name;
-    const auto bytes = write_model(models_of_today().begin()->second);
+    for (const auto& [name, model] : current_models())
+        EXPECT_TRUE(fs::exists(k_folder / k_file_version / (name + ".srbf"))) << name;
+    const auto bytes = write_model(current_models().begin()->second);
     const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    EXPECT_CONTAINS(text, "\"srbf\":\"" + k_current + "\"") << "a new version needs a folder of files";
+    EXPECT_CONTAINS(text, "\"srbf\":\"" + k_file_version + "\"") << "a new version needs a folder of files";
 }
 
 }  // namespace

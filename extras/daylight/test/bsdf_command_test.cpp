@@ -17,7 +17,7 @@ class BsdfCommand : public CommandLine {
         shared = std::make_unique<TemporaryFolder>();
         write_text(*shared / "shade.xml", small_shade());
         write_text(
-            *shared / "p.csv",
+            *shared / "pairs.csv",
             "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0.6,-0.8\n0,0,-1,0,0.6,0.8\n0,0,-1,0,0.6,-0.8\n0,0,1,0,0.6,0.8\n");
         fitted = run_srbf(*shared, {"fit", "shade.xml", "--lobes", "1", "--variates", "2", "--axial", "--threads", "1",
                                     "--json", "r.json"});
@@ -42,7 +42,7 @@ TEST_F(BsdfCommand, FitsAndEvaluatesBothSides) {
     EXPECT_TRUE(is_two_sided(*model));
     EXPECT_EQ(report["payload_bytes"], payload_bytes(std::get<Model>(*model)));
 
-    const ProgramRun values = run_ok(folder, {"eval", "shade.srbf", "--pairs", "p.csv"});
+    const ProgramRun values = run_ok(folder, {"eval", "shade.srbf", "--pairs", "pairs.csv"});
     std::vector<double> green;
     for (Lines lines(values.out); auto line = lines.next();) {
         std::vector<std::string_view> fields;

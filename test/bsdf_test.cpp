@@ -76,8 +76,7 @@ TEST(Bsdf, FilesKeepAllParts) {
     bsdf.part[1].reset();
     bsdf.part[2] = std::make_shared<const Model>(Model{GgxModel{{0.1f, 0.2f, 0.3f}, {GgxModel::Lobe{}}}, {}});
     const auto bytes = write_model(model);
-    const auto again = read_model(bytes, "m");
-    ASSERT_TRUE(again.ok()) << message(again.error());
+    const auto again = checked(read_model(bytes, "m"));
     EXPECT_EQ(write_model(*again), bytes);
     EXPECT_EQ(again->provenance, model.provenance);
     EXPECT_EQ(payload_bytes(*again), payload_bytes(model));
@@ -195,16 +194,14 @@ TEST(Bsdf, ReadsCsvOfBothSides) {
     const std::string text =
         "# both sides\nwl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0,1,0,0.6,0.8,1\n0,0,-1,0,0.6,-0.8,2\n"
         "0,0,1,0,0.6,-0.8,3\n0,0,1,1,0,0,9\n";
-    const auto measured = read_measured(as_bytes(text), "f");
-    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto measured = checked(read_measured(as_bytes(text), "f"));
     const Vec3f up{0, 0, 1}, down{0, 0, -1}, above{0, 0.6f, 0.8f}, below{0, 0.6f, -0.8f};
     EXPECT_WITHIN(value(*measured, up, above).r, 1, 1e-6);
     EXPECT_WITHIN(value(*measured, down, below).r, 2, 1e-6);
     EXPECT_WITHIN(value(*measured, up, below).r, 3, 1e-6);
     EXPECT_WITHIN(value(*measured, below, up).r, 3, 1e-6);  // follows from reciprocity
     // Without the comment values below the horizon are masked.
-    const auto front = read_measured(as_bytes(text.substr(text.find('\n') + 1)), "f");
-    ASSERT_TRUE(front.ok());
+    const auto front = checked(read_measured(as_bytes(text.substr(text.find('\n') + 1)), "f"));
     EXPECT_EQ(std::get<ScatteredSamples>(front->table).masked, 3u);
 }
 
@@ -216,10 +213,8 @@ TEST(Bsdf, IsConverted) {
     EXPECT_TRUE(is_two_sided(model));
     for (const char* name : {"x.mbsdf", "x.csv"}) {
         const Format& format = *format_written_to(name);
-        const auto bytes = table_file(model, format, {.description = "a leaf", .directions = 48});
-        ASSERT_TRUE(bytes.ok()) << message(bytes.error());
-        const auto again = read_measured(*bytes, "f");
-        ASSERT_TRUE(again.ok()) << message(again.error());
+        const auto bytes = checked(table_file(model, format, {.description = "a leaf", .directions = 48}));
+        const auto again = checked(read_measured(*bytes, "f"));
         double error = 0, energy = 0;
         for (const auto& [wl, wv] : random_pairs(2000)) {
             if (std::min(std::abs(wl.z), std::abs(wv.z)) < 0.2) continue;

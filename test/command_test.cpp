@@ -21,10 +21,9 @@ class Command : public CommandLine {
         fitted = std::make_unique<TemporaryFolder>();
         std::mt19937_64 random(1);
         const PmModel model = rounded(random_model(random, {.lobes = 2, .variates = 2, .form = PmForm::extended}));
-        const auto saved =
+        const auto saved = checked(
             save_model({model, {{"source", "paper_white_rgb.bsdf"}, {"objective", "cosine"}, {"max_theta", "89"}}},
-                       *fitted / "m.srbf");
-        ASSERT_TRUE(saved.ok());
+                       *fitted / "m.srbf"));
     }
     static void TearDownTestSuite() { fitted.reset(); }
 
@@ -41,8 +40,7 @@ class Command : public CommandLine {
         if (output.ends_with(".csv") && !input.ends_with(".csv")) convert = convert + Arguments{"--directions", "9"};
         const ProgramRun result = run_ok(folder, convert);
         EXPECT_EQ(result.out, "");
-        const auto measured = load_measured(folder / output);
-        ASSERT_TRUE(measured.ok()) << message(measured.error());
+        const auto measured = checked(load_measured(folder / output));
         EXPECT_EQ(measured->format, format) << input;
     }
 

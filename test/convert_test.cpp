@@ -45,8 +45,7 @@ TEST(Convert, MerlTablesSurviveARoundTrip) {
         merl_file({7, 6, 8},
                   [&](int, int, int, int c) { return c == 0 && uniform(random) < 0.2 ? -1 : 3 * uniform(random); }),
         "t");
-    const auto reread = read_merl(write_merl(table), "t");
-    ASSERT_TRUE(reread.ok()) << message(reread.error());
+    const auto reread = checked(read_merl(write_merl(table), "t"));
     EXPECT_EQ(reread->size, table.size);
     EXPECT_EQ(reread->masked, table.masked);
     ASSERT_GT(table.masked, 0u);
@@ -87,8 +86,7 @@ TEST(Convert, MbsdfTablesSurviveARoundTrip) {
                                         [&](int i, int, int, int) { return i == 3 ? NAN : 3 * uniform(random) - 1; })}),
             "t");
         table.metadata = {{"name", "a \"b\" \\ c"}, {"lines", "1\n2\n"}, {"größe", "½"}, {"name", "="}};
-        const auto reread = read_mbsdf(write_mbsdf(table), "t");
-        ASSERT_TRUE(reread.ok()) << message(reread.error());
+        const auto reread = checked(read_mbsdf(write_mbsdf(table), "t"));
         EXPECT_EQ(reread->polar, 5u);
         EXPECT_EQ(reread->azimuths, 7u);
         EXPECT_EQ(reread->grey, grey);
@@ -254,8 +252,7 @@ TEST(Convert, RglFilesMayHoldOnlyColours) {
 TEST(Convert, RglFilesHoldTheSameMaterialAsColoursAndSpectra) {
     const RglTable table = to_rgl(evaluator(glossy()), small_options());
     const auto bytes = write_rgl(table);
-    const auto rgb = read_rgl(bytes, "w");
-    ASSERT_TRUE(rgb.ok()) << message(rgb.error());
+    const auto rgb = checked(read_rgl(bytes, "w"));
     // Without the field rgb, the reader uses the spectra. The name occurs only once.
     auto without_rgb = bytes;
     const std::string name("\3\0rgb", 5);
@@ -263,8 +260,7 @@ TEST(Convert, RglFilesHoldTheSameMaterialAsColoursAndSpectra) {
                                       [](std::byte b, char c) { return std::to_integer<char>(b) == c; });
     ASSERT_NE(position, without_rgb.end());
     position[2] = std::byte('x');
-    const auto spectral = read_rgl(without_rgb, "w");
-    ASSERT_TRUE(spectral.ok()) << message(spectral.error());
+    const auto spectral = checked(read_rgl(without_rgb, "w"));
     EXPECT_EQ(spectral->wavelengths.size(), 18u);
     std::mt19937_64 random(2);
     for (int i = 0; i < 5000; ++i) {
@@ -366,8 +362,7 @@ TEST(Convert, RglFilesAreSampledWell) {
 
 TEST(Convert, SamplesSurviveARoundTrip) {
     const auto spectral = *read_cornell(as_bytes(k_small_cornell), "c");
-    const auto reread = read_csv(as_bytes(write_csv(spectral)), "c", {});
-    ASSERT_TRUE(reread.ok()) << message(reread.error());
+    const auto reread = checked(read_csv(as_bytes(write_csv(spectral)), "c", {}));
     EXPECT_EQ(reread->wavelengths, spectral.wavelengths);
     EXPECT_EQ(reread->spectrum, spectral.spectrum);
     EXPECT_TRUE(reread->isotropic);
@@ -384,8 +379,7 @@ TEST(Convert, SamplesSurviveARoundTrip) {
     for (std::size_t i = 0; i < samples.wl.size(); ++i)
         for (int c = 0; c < 3; ++c)
             EXPECT_WITHIN_RELATIVE(samples.colour[i][c], value(model, samples.wl[i], samples.wv[i])[c], 1e-4);
-    const auto colours = read_csv(as_bytes(write_csv(samples)), "m", {});
-    ASSERT_TRUE(colours.ok()) << message(colours.error());
+    const auto colours = checked(read_csv(as_bytes(write_csv(samples)), "m", {}));
     EXPECT_EQ(colours->colour, samples.colour);
     EXPECT_TRUE(colours->isotropic);
 }
@@ -396,8 +390,7 @@ TEST(Convert, AnisotropicModelsAreNotCalledIsotropic) {
     for (const bool axial : {true, false}) {
         const AnyBrdf model = Model{random_model(random, {.axial = axial}), {}};
         const auto csv = table_file(model, *format_written_to("x.csv"), {.description = "a model", .directions = 8});
-        const auto samples = read_csv(*csv, "c", {});
-        ASSERT_TRUE(samples.ok()) << message(samples.error());
+        const auto samples = checked(read_csv(*csv, "c", {}));
         EXPECT_EQ(samples->isotropic, axial);
         const auto table = table_file(model, *format_written_to("x.binary"));
         EXPECT_EQ(table.ok(), axial);
@@ -413,8 +406,7 @@ TEST(Convert, SpectraAreKept) {
     for (const Format& format : formats()) {
         if (format.name != "RGL" && format.name != "CSV" && format.name != "OpenMATERIAL") continue;
         const auto bytes = table_file(model, format, {.description = "", .directions = 8, .max_theta = 80 * k_degree});
-        const auto read = read_measured(*bytes, "m");
-        ASSERT_TRUE(read.ok()) << message(read.error());
+        const auto read = checked(read_measured(*bytes, "m"));
         ASSERT_EQ(wavelengths(*read).size(), 5u) << format.name;
         const Vec3f wl = to_float(spherical(30 * k_degree, 0.0)), wv = to_float(spherical(25 * k_degree, 2.0));
         std::vector<float> exact(5), table(5);

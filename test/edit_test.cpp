@@ -41,8 +41,7 @@ const PmModel& pm(const Model& model) { return std::get<PmModel>(model.model); }
 void expect_lawful(const Model& model) {
     EXPECT_LE(AlbedoBound(1, 1).excess(evaluator(model)), 1.0);
     EXPECT_EQ(pm(model).form, PmForm::reciprocal);
-    const auto read = read_model(write_model(model), "");
-    ASSERT_TRUE(read.ok());
+    const auto read = checked(read_model(write_model(model), ""));
     EXPECT_TRUE(pm(*read) == pm(model));
     EXPECT_TRUE(model.provenance.contains("edits"));
     EXPECT_FALSE(model.provenance.contains("delta_e_itp"));
@@ -152,8 +151,7 @@ TEST(Edit, RotatesTheTangent) {
 
 TEST(Edit, BlendsAreMeansAndAreReduced) {
     const Model a = k_materials[0].fit(), b = k_materials[1].fit();
-    const auto blend = blended(a, b, 0.5);
-    ASSERT_TRUE(blend.ok());
+    const auto blend = checked(blended(a, b, 0.5));
     std::mt19937_64 random(4);
     for (int i = 0; i < 500; ++i) {
         const Vec3f wl = to_float(random_direction(random, 0.02)), wv = to_float(random_direction(random, 0.02));
@@ -178,8 +176,7 @@ TEST(Edit, BlendsOfDifferentFormsAreMeans) {
     const Model reciprocal{rounded(random_model(random, {.form = PmForm::reciprocal})), {}};
     for (const PmForm form : {PmForm::gaussian, PmForm::extended}) {
         const Model other{rounded(random_model(random, {.variates = 2, .form = form})), {}};
-        const auto blend = blended(other, reciprocal, 0.25);
-        ASSERT_TRUE(blend.ok()) << message(blend.error());
+        const auto blend = checked(blended(other, reciprocal, 0.25));
         for (int i = 0; i < 100; ++i) {
             const Vec3f wl = to_float(random_direction(random, 0.05)), wv = to_float(random_direction(random, 0.05));
             const double f = 0.75 * double(value(other, wl, wv).g) + 0.25 * double(value(reciprocal, wl, wv).g);

@@ -41,8 +41,7 @@ TEST_F(File, ReadsBackWhatWasWritten) {
         std::vector<std::byte> bytes(size);
         for (auto& b : bytes) b = std::byte(random());
         ASSERT_TRUE(write_file(path("a"), bytes).ok());
-        const auto back = read_file(path("a"));
-        ASSERT_TRUE(back.ok());
+        const auto back = checked(read_file(path("a")));
         EXPECT_EQ(*back, bytes);
     }
     EXPECT_EQ(files(), 1u);

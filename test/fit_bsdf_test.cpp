@@ -74,8 +74,7 @@ FitRequest five_lobes() {
 
 /// Expects a fit in at most 400 bytes, whose error is at most 0.5 % and which neither loses nor makes light.
 void expect_good(const std::array<Evaluate, k_parts>& parts, bool sides_are_alike) {
-    const auto fitted = fit_bsdf(parts, five_lobes());
-    ASSERT_TRUE(fitted.ok()) << message(fitted.error());
+    const auto fitted = checked(fit_bsdf(parts, five_lobes()));
     EXPECT_LE(payload_bytes(fitted->model), 400u);
     for (const PartFit& part : fitted->parts) {
         EXPECT_WITHIN(part.squared_error_ratio, 0, 0.005) << name(part.part);

@@ -23,8 +23,7 @@ TEST_F(FitCommand, WritesModelPictureAndReport) {
     EXPECT_EQ(first.err, "");  // progress only on a terminal
     EXPECT_EQ(fitted->files().size(), 3u);
     EXPECT_TRUE(read_text(*fitted / "p.png").starts_with("\x89PNG\r\n\x1a\n"));
-    const auto model = load_model(*fitted / "m.srbf");
-    ASSERT_TRUE(model) << message(model.error());
+    const auto model = checked(load_model(*fitted / "m.srbf"));
     const PmModel& pm = std::get<PmModel>(model->model);
 
     const Json json = report();
@@ -178,8 +177,7 @@ TEST_F(FitCommand, FitsSpectra) {
         const ProgramRun eval = run_ok(folder, Arguments{"eval", "--pairs", "pairs.csv"} + arguments);
         EXPECT_TRUE(eval.out.starts_with(directions + nm)) << eval.out;
         // The output is a measurement at wavelengths again.
-        const auto samples = read_csv(as_bytes(eval.out), "e", {});
-        ASSERT_TRUE(samples.ok());
+        const auto samples = checked(read_csv(as_bytes(eval.out), "e", {}));
         ASSERT_EQ(samples->spectrum.size(), 10u);
         for (std::size_t c = 0; c < 5; ++c)
             EXPECT_WITHIN(samples->spectrum[5 + c], 0.02 * double(c + 1) + 0.3, 0.06) << c;
@@ -224,8 +222,7 @@ TEST_F(FitCommand, ViewByViewModelsAreReadByTheOtherCommands) {
     for (const auto& [key, value] : expected.items()) EXPECT_EQ(json.value(key, Json()), value) << key;
     EXPECT_GT(json.value("fit_seconds", 0.0), 0.0);
 
-    const auto model = load_model(folder / "su.srbf");
-    ASSERT_TRUE(model) << message(model.error());
+    const auto model = checked(load_model(folder / "su.srbf"));
     const SuModel& su = std::get<SuModel>(model->model);
     EXPECT_EQ(su.index, index_texture(su, DirectionMap::parabolic));
 

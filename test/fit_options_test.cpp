@@ -59,13 +59,12 @@ TEST(PmFitOptions, AreReadByTheirModelsAlone) {
 }
 
 TEST(PmFitOptions, SetWhatTheyName) {
-    const auto request = fit_request({{"lobes", "3"},
-                                      {"variates", "2"},
-                                      {"axial", "false"},
-                                      {"max_theta", "70"},
-                                      {"objective", "raw"},
-                                      {"seed", "18446744073709551615"}});
-    ASSERT_TRUE(request.ok()) << message(request.error());
+    const auto request = checked(fit_request({{"lobes", "3"},
+                                              {"variates", "2"},
+                                              {"axial", "false"},
+                                              {"max_theta", "70"},
+                                              {"objective", "raw"},
+                                              {"seed", "18446744073709551615"}}));
     const auto& pm = std::get<PmRequest>(request->model);
     EXPECT_EQ(std::get<LobeCount>(*pm.size).lobes, 3);
     EXPECT_EQ(pm.variates, 2);

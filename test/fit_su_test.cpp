@@ -75,8 +75,7 @@ TEST(FitSu, RecoversSeparatedLobes) {
             // Interpolation between independent views is not meaningful.
             const auto matrix = tabulate(evaluator(truth), {.directions = 256, .between = isotropic ? 128 : 0});
             ASSERT_TRUE(matrix);
-            const auto fit = fit_su(*matrix, options);
-            ASSERT_TRUE(fit) << message(fit.error());
+            const auto fit = checked(fit_su(*matrix, options));
             EXPECT_LE(matrix_error(evaluator(truth), fit->unrounded), 1e-6) << lobes << isotropic;
             EXPECT_LE(matrix_error(evaluator(truth), fit->model), 1e-5) << lobes << isotropic;
             EXPECT_EQ(fit->empty, 0);
@@ -223,8 +222,7 @@ TEST(FitSu, ViewsWithoutDataAreEmpty) {
         matrix.f[11 * 64 + l] = {};                     // a black view
         if (l > 10) matrix.f[12 * 64 + l] = {};         // a view that is black within 80°
     }
-    const auto fit = fit_su(matrix, k_raw);
-    ASSERT_TRUE(fit) << message(fit.error());
+    const auto fit = checked(fit_su(matrix, k_raw));
     EXPECT_EQ(fit->empty, 3);
     for (std::size_t view = 0; view < 64; ++view)
         for (std::size_t l = 11; l < 64; ++l) {

@@ -174,8 +174,7 @@ TEST(Fitter, EqualsItsStagesCalledSeparately) {
 TEST(Fitter, SamplesAreCrossValidated) {
     const Measured measured = samples();
     FitRequest request = pm(LobeCount{1}, 1);
-    const auto outcome = fit(measured, request);
-    ASSERT_TRUE(outcome) << message(outcome.error());
+    const auto outcome = checked(fit(measured, request));
     EXPECT_EQ(outcome->samples, 8u * 8u * 7u);
     EXPECT_LT(outcome->errors->heldout.squared_error_ratio, 0.01);
     // The errors of a draft are not measured.
@@ -269,8 +268,7 @@ TEST(Fitter, ReachesItsTargetDeltaE) {
     const Measured& paper = bundled("paper_white_rgb");
     std::size_t bytes = 0;
     for (const double delta_e : {6.0, 4.0}) {
-        const auto outcome = fit(paper, pm(AutomaticLobes{delta_e}));
-        ASSERT_TRUE(outcome) << message(outcome.error());
+        const auto outcome = checked(fit(paper, pm(AutomaticLobes{delta_e})));
         EXPECT_TRUE(outcome->reached);
         EXPECT_LE(outcome->against_mean->mean.delta_e, delta_e);
         EXPECT_GE(payload_bytes(outcome->model), bytes);

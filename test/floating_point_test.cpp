@@ -122,18 +122,14 @@ TEST(FloatingPoint, CountersFindSubnormalNumbers) {
 
 TEST(FloatingPoint, FewNumbersOfTheDefaultFitAreSubnormal) {
     const Measured measured = film();
-    expect_few([&] {
-        const auto fit = fit_pm(*observe(signed_evaluator(measured), {}), {});
-        ASSERT_TRUE(fit.ok());
-    });
+    expect_few([&] { const auto fit = checked(fit_pm(*observe(signed_evaluator(measured), {}), {})); });
 }
 
 TEST(FloatingPoint, FewNumbersOfAViewByViewFitAreSubnormal) {
     const Measured measured = film();
     expect_few([&] {
         const auto matrix = tabulate(signed_evaluator(measured), {.directions = 192});
-        const auto fit = fit_su(*matrix, {.lobes = 5});
-        ASSERT_TRUE(fit.ok());
+        const auto fit = checked(fit_su(*matrix, {.lobes = 5}));
     });
 }
 
@@ -144,11 +140,10 @@ TEST(FloatingPoint, FewNumbersOfAFitOfMeasuredSpectraAreSubnormal) {
     expect_few(
         [&] {
             const auto observations =
-                observe(std::get<ScatteredSamples>(measured.table),
-                        ObserveSamplesOptions{.objective = Objective::cube_root, .spectral = true});
-            ASSERT_TRUE(observations.ok());
-            const auto fit = fit_pm(*observations, {.lobes = 6, .variates = 3, .starts = 4, .perturbations = 8});
-            ASSERT_TRUE(fit.ok());
+                checked(observe(std::get<ScatteredSamples>(measured.table),
+                                ObserveSamplesOptions{.objective = Objective::cube_root, .spectral = true}));
+            const auto fit =
+                checked(fit_pm(*observations, {.lobes = 6, .variates = 3, .starts = 4, .perturbations = 8}));
         },
         k_many / 10);
 }

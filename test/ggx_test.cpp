@@ -69,10 +69,8 @@ TEST(Ggx, IsFittedBack) {
     std::mt19937_64 random(3);
     for (int i = 0; i < 8; ++i) {
         const GgxModel truth = random_ggx(random, 1 + i % 2);
-        const auto observed = observe(evaluator(truth), {.objective = Objective::cosine, .count = 8192});
-        ASSERT_TRUE(observed.ok());
-        const auto fit = Kind<GgxModel>::fit(*observed, {int(truth.lobes.size())});
-        ASSERT_TRUE(fit.ok());
+        const auto observed = checked(observe(evaluator(truth), {.objective = Objective::cosine, .count = 8192}));
+        const auto fit = checked(Kind<GgxModel>::fit(*observed, {int(truth.lobes.size())}));
         EXPECT_EQ(payload_bytes(fit->model), truth.lobes.size() == 1 ? 16u : 26u);
         EXPECT_LT(fit->unrounded_loss, 1e-6);
         EXPECT_LT(fit->loss, 1e-5);  // roughness in halves
@@ -124,8 +122,7 @@ TEST(Ggx, NoiseBelowZeroIsFitted) {
     std::mt19937_64 random(5);
     const GgxModel truth = random_ggx(random, 1);
     for (const Objective objective : objectives()) {
-        auto observed = observe(evaluator(truth), {.objective = objective, .count = 1024});
-        ASSERT_TRUE(observed.ok());
+        auto observed = checked(observe(evaluator(truth), {.objective = objective, .count = 1024}));
         for (std::size_t i = 0; i < observed->fitted_count(); i += 8) observed->f[i] = {-observed->f[i].r, -1, -1e-3f};
         const auto fit = Kind<GgxModel>::fit(*observed);
         ASSERT_TRUE(fit.ok()) << name(objective);
@@ -134,8 +131,7 @@ TEST(Ggx, NoiseBelowZeroIsFitted) {
 }
 
 TEST(Ggx, RefusesOtherNumbersOfLobes) {
-    const auto observed = observe(evaluator(GgxModel{{1, 1, 1}, {{0.5f, {}, 0}}}), {.count = 1024});
-    ASSERT_TRUE(observed.ok());
+    const auto observed = checked(observe(evaluator(GgxModel{{1, 1, 1}, {{0.5f, {}, 0}}}), {.count = 1024}));
     for (const int lobes : {0, 3, -1}) EXPECT_FALSE(Kind<GgxModel>::fit(*observed, {lobes}).ok());
 }
 

@@ -50,14 +50,12 @@ TEST(Mbsdf, InterpolatesItsSamples) {
 }
 
 TEST(Mbsdf, IsReadByItsContent) {
-    const auto measured = read_measured(small_mbsdf(), "t");
-    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto measured = checked(read_measured(small_mbsdf(), "t"));
     EXPECT_EQ(measured->format, "MBSDF");
     EXPECT_TRUE(is_isotropic(*measured));
     const auto& t = std::get<MbsdfTable>(measured->table);
     EXPECT_EQ(t.metadata, (std::vector<MbsdfTable::Entry>{{"material", "blue \"paint\""}}));
-    const auto grey = read_mbsdf(grey_mbsdf(), "t");
-    ASSERT_TRUE(grey.ok()) << message(grey.error());
+    const auto grey = checked(read_mbsdf(grey_mbsdf(), "t"));
     EXPECT_TRUE(grey->grey);
     EXPECT_EQ(grey->cells.size(), 2u * 2 * 3);
     EXPECT_EQ(grey->cells[4], (Rgb{1.25f, 1.25f, 1.25f}));
@@ -65,9 +63,8 @@ TEST(Mbsdf, IsReadByItsContent) {
 
 /// Tables of one angle are constant in it.
 TEST(Mbsdf, MayHaveOneSample) {
-    const auto t = read_mbsdf(
-        mbsdf_file("", {mbsdf_block("MBSDF_DATA=", 1, 1, 1, [](int, int, int, int) { return 0.375; })}), "t");
-    ASSERT_TRUE(t.ok()) << message(t.error());
+    const auto t = checked(read_mbsdf(
+        mbsdf_file("", {mbsdf_block("MBSDF_DATA=", 1, 1, 1, [](int, int, int, int) { return 0.375; })}), "t"));
     std::mt19937_64 random(3);
     for (int i = 0; i < 100; ++i) {
         const Vec3f wl = to_float(random_direction(random, 1e-4)), wv = to_float(random_direction(random, 1e-4));
@@ -82,8 +79,7 @@ TEST(Mbsdf, MasksValuesThatAreNotFinite) {
                           })});
     };
     for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
-        const auto t = read_mbsdf(with(bad), "t");
-        ASSERT_TRUE(t.ok());
+        const auto t = checked(read_mbsdf(with(bad), "t"));
         EXPECT_EQ(t->masked, 5u);
         const auto at = [&](double l, double v) {
             return value(*t, to_float(spherical(l * k_degree, 0.1)), to_float(spherical(v * k_degree, 2.0)));
@@ -167,8 +163,7 @@ class CarPaint : public testing::TestWithParam<const char*> {
         const auto path = shared_data() / "mdl" / GetParam();
         if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
         bytes_ = *read_file(path.string());
-        const auto read = read_mbsdf(bytes_, path.string());
-        ASSERT_TRUE(read.ok()) << message(read.error());
+        const auto read = checked(read_mbsdf(bytes_, path.string()));
         t_ = *read;
     }
     double at(std::size_t i, std::size_t j, std::size_t k) const {

@@ -166,8 +166,7 @@ TEST(Formats, AreReadCompletely) {
         const Bytes bytes = large_file(format);
         ASSERT_FALSE(bytes.empty()) << "the corpus lacks a file of " << format.name;
         ASSERT_TRUE(write_file((folder / "file").string(), bytes).ok());
-        const auto read = read_input((folder / "file").string());
-        ASSERT_TRUE(read.ok());
+        const auto read = checked(read_input((folder / "file").string()));
         EXPECT_EQ(read->size(), bytes.size()) << format.name;
     }
 }

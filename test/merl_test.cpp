@@ -58,7 +58,7 @@ Pair pair_at(double h, double d, double p, double turn) {
 TEST(Merl, ReproducesItsNodes) {
     const MerlTable table = multilinear_table();
     EXPECT_EQ(table.masked, 0u);
-    int checked = 0;
+    int compared = 0;
     for (int h = 0; h < n_h; ++h)
         for (int d = 0; d < n_d; ++d)
             for (int p = 0; p < n_p; ++p) {
@@ -72,9 +72,9 @@ TEST(Merl, ReproducesItsNodes) {
                     const double expected = (c + 1) * multilinear(h, d, known_p);
                     EXPECT_WITHIN_RELATIVE(f[c], expected, d == 0 ? 1e-3 : 1e-4) << h << ' ' << d << ' ' << p;
                 }
-                ++checked;
+                ++compared;
             }
-    EXPECT_GT(checked, 500);
+    EXPECT_GT(compared, 500);
 }
 
 /// Interpolates as the docstring of value() says, in double at a known position.
@@ -97,7 +97,7 @@ TEST(Merl, InterpolatesOverTheValidNodes) {
             return c == 1 && uniform(random) < masked_part ? -1 : f;
         });
         EXPECT_EQ(table.masked > 0, masked_part > 0);
-        int checked = 0, lacking = 0;
+        int compared = 0, lacking = 0;
         for (int i = 0; i < 20000; ++i) {
             const double h = 1 + (n_h - 2.1) * uniform(random), d = 0.2 + (n_d - 1.3) * uniform(random),
                          p = n_p * uniform(random);
@@ -115,9 +115,9 @@ TEST(Merl, InterpolatesOverTheValidNodes) {
             if (masked_part == 0) {
                 EXPECT_WITHIN_RELATIVE(f.r, multilinear(h, d, p), 1e-4);
             }
-            ++checked;
+            ++compared;
         }
-        EXPECT_GT(checked, 3000);
+        EXPECT_GT(compared, 3000);
         EXPECT_EQ(lacking > 0, masked_part == 0.9);
     }
 }

@@ -78,8 +78,7 @@ template <typename Damage> void expect_error(const std::string& part, Damage dam
 }
 
 TEST(ModelFile, ReadsAValidFile) {
-    const auto model = read_model(File().bytes(), "x");
-    ASSERT_TRUE(model.ok()) << message(model.error());
+    const auto model = checked(read_model(File().bytes(), "x"));
     const auto& pm = std::get<PmModel>(model->model);
     EXPECT_EQ(pm.coefficient, (std::vector<Rgb>{{1, 1, 1}, {1, 1, 1}}));
     EXPECT_EQ(pm.bandwidth, (std::vector<float>{2, 2}));
@@ -306,8 +305,7 @@ TEST(ModelFile, SpectralModelsKeepTheirWavelengths) {
             const PmModel model =
                 rounded(spectral_model(random, {.log_scale = log_scale, .lobes = 3, .variates = 2}, count));
             const Bytes bytes = write_model({model, {{"source", "a.brdf"}}});
-            const auto again = read_model(bytes, "x");
-            ASSERT_TRUE(again.ok()) << message(again.error());
+            const auto again = checked(read_model(bytes, "x"));
             EXPECT_EQ(std::get<PmModel>(again->model), model);
             EXPECT_EQ(again->provenance, (std::map<std::string, std::string>{{"source", "a.brdf"}}));
             EXPECT_EQ(payload_bytes(model), 2u * unsigned(3 * (count + 2 + log_scale) + 4));

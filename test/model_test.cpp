@@ -33,8 +33,7 @@ TEST(Model, WrittenModelsAreReadBack) {
                                          .form = k_forms[std::size_t(trial) % k_forms.size()]};
         const Model model{rounded(random_model(random, options)), {{"source", "a.bsdf"}, {"", "empty key"}}};
         const Bytes bytes = write_model(model);
-        const auto back = read_model(bytes, "x");
-        ASSERT_TRUE(back.ok()) << message(back.error());
+        const auto back = checked(read_model(bytes, "x"));
         EXPECT_EQ(pm(*back), pm(model));
         EXPECT_EQ(back->provenance, model.provenance);
         EXPECT_EQ(write_model(*back), bytes);
@@ -51,8 +50,7 @@ TEST(Model, RoundedIsWhatAFileHolds) {
         const PmModel once = rounded(model);
         EXPECT_NE(once, model);
         EXPECT_EQ(rounded(once), once);
-        const auto back = read_model(write_model({model, {}}), "x");
-        ASSERT_TRUE(back.ok());
+        const auto back = checked(read_model(write_model({model, {}}), "x"));
         EXPECT_EQ(pm(*back), once);
     }
 }
@@ -195,8 +193,7 @@ TEST(Model, ProvenanceMayHoldAnyByte) {
     provenance["broken"] = every;
     provenance["\xff\xfe"] = "broken key";
     const Model model{rounded(random_model(random, {})), provenance};
-    const auto back = read_model(write_model(model), "x");
-    ASSERT_TRUE(back.ok()) << message(back.error());
+    const auto back = checked(read_model(write_model(model), "x"));
     for (const auto& [key, text] : valid) EXPECT_EQ(back->provenance.at(key), text) << key;
     // The text is no UTF-8: its invalid bytes are replaced, and its ASCII stays.
     EXPECT_EQ(back->provenance.at("broken").substr(0, 128), every.substr(0, 128));

@@ -202,8 +202,7 @@ TEST(OpenPbr, FilesStoreAllNumbers) {
     for (int i = 0; i < 20; ++i) {
         Model model{rounded(random_openpbr(random)), {{"source", "made up"}}};
         if (i % 2) exchange(model);
-        const auto read = read_model(write_model(model), "a");
-        ASSERT_TRUE(read.ok()) << message(read.error());
+        const auto read = checked(read_model(write_model(model), "a"));
         EXPECT_EQ(std::get<OpenPbrModel>(read->model), std::get<OpenPbrModel>(model.model));
         EXPECT_EQ(read->provenance, model.provenance);
     }
@@ -232,10 +231,8 @@ TEST(OpenPbr, DamagedFilesAreRejected) {
 TEST(OpenPbr, RecoversSyntheticSurfaces) {
     for (const Surface surface : {Surface::coated, Surface::fuzzy, Surface::film, Surface::brushed}) {  // two metals
         const OpenPbrModel truth = synthetic_surface(surface);
-        const auto observed = observe(evaluator(truth), {.count = 8192});
-        ASSERT_TRUE(observed.ok());
-        const auto fit = Kind<OpenPbrModel>::fit(*observed, {}, {.is_isotropic = surface != Surface::brushed});
-        ASSERT_TRUE(fit.ok());
+        const auto observed = checked(observe(evaluator(truth), {.count = 8192}));
+        const auto fit = checked(Kind<OpenPbrModel>::fit(*observed, {}, {.is_isotropic = surface != Surface::brushed}));
         const std::vector<Evaluate> fits{evaluator(fit->model)};
         EXPECT_LT(compare_pictures(evaluator(truth), fits)[0].mean.delta_e, 0.3) << int(surface);
         for (const OpenPbrParameter& parameter : k_openpbr_parameters)
@@ -287,21 +284,17 @@ TEST(OpenPbr, AFilmOfAirHasNoEffect) {
 }
 
 TEST(OpenPbr, ParametersThatASurfaceLacksKeepTheirDefaults) {
-    const auto observed =
-        observe(evaluator(synthetic_surface(Surface::coated)), {.objective = Objective::cosine, .count = 1024});
-    ASSERT_TRUE(observed.ok());
-    const auto fit = Kind<OpenPbrModel>::fit(*observed, {.surface = OpenPbrSurfaceKind::gltf});
-    ASSERT_TRUE(fit.ok());
+    const auto observed = checked(
+        observe(evaluator(synthetic_surface(Surface::coated)), {.objective = Objective::cosine, .count = 1024}));
+    const auto fit = checked(Kind<OpenPbrModel>::fit(*observed, {.surface = OpenPbrSurfaceKind::gltf}));
     EXPECT_EQ(fit->model.coat_color, (Rgb{1, 1, 1}));
     EXPECT_EQ(fit->model.base_diffuse_roughness, 0);
 }
 
 TEST(OpenPbr, FitsPairsWithoutPictures) {
     const OpenPbrModel truth = synthetic_surface(Surface::metal);
-    const auto observed = observe(evaluator(truth), {.objective = Objective::cosine, .count = 4096});
-    ASSERT_TRUE(observed.ok());
-    const auto fit = Kind<OpenPbrModel>::fit(*observed);
-    ASSERT_TRUE(fit.ok());
+    const auto observed = checked(observe(evaluator(truth), {.objective = Objective::cosine, .count = 4096}));
+    const auto fit = checked(Kind<OpenPbrModel>::fit(*observed));
     EXPECT_LT(fit->loss, 1e-3);
 }
 

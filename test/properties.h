@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -40,6 +41,12 @@ inline testing::AssertionResult lacks(const char*, const char*, std::string_view
 
 /// The message of a result's error; empty if there is none.
 template <typename T> std::string error_text(const Result<T>& result) { return result ? "" : message(result.error()); }
+
+/// The result itself. An error ends the test, with its message.
+template <typename T> Result<T> checked(Result<T> result) {
+    if (!result) throw std::runtime_error(message(result.error()));
+    return result;
+}
 
 /// The measurements bundled with the project.
 inline std::filesystem::path bundled_data() { return std::filesystem::path(SRBF_SOURCE_DIR) / "data"; }

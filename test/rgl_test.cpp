@@ -24,8 +24,7 @@ const std::vector<std::string> k_bundled{"paper_white", "cc_ibiza_sunset"};
 
 /// Expects each row within 1e-4, or 2e-6 absolute, of the value from the authors' own loader.
 void expect_agreement(const std::filesystem::path& measurement, const std::filesystem::path& reference) {
-    const auto measured = load_measured(measurement.string());
-    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto measured = checked(load_measured(measurement.string()));
     EXPECT_EQ(measured->format, "RGL");
     EXPECT_EQ(measured->bytes, std::filesystem::file_size(measurement));
     const auto rows = read_reference(reference);
@@ -51,8 +50,7 @@ TEST(Rgl, AgreesWithTheAuthorsLoaderOnAllMeasurements) {
 }
 
 TEST(Rgl, ComputesItsFormula) {
-    const auto table = read_rgl(tensor_file(simple_rgl()), "simple");
-    ASSERT_TRUE(table.ok()) << message(table.error());
+    const auto table = checked(read_rgl(tensor_file(simple_rgl()), "simple"));
     EXPECT_EQ(table->description, "test");
     std::mt19937_64 random(3);
     for (int i = 0; i < 5000; ++i) {
@@ -73,8 +71,7 @@ TEST(Rgl, ComputesItsFormula) {
 TEST(Rgl, ColourIsTheValueIfThereIsNoJacobian) {
     auto fields = simple_rgl();
     field(fields, "jacobian").numbers[0] = std::byte(0);
-    const auto plain = read_rgl(tensor_file(fields), "plain");
-    ASSERT_TRUE(plain.ok()) << message(plain.error());
+    const auto plain = checked(read_rgl(tensor_file(fields), "plain"));
     std::mt19937_64 random(8);
     for (int i = 0; i < 2000; ++i) {
         const Vec3d wl = random_direction(random, 0.01), wv = random_direction(random, 0.01), h = wl + wv;
@@ -122,8 +119,7 @@ TEST(Rgl, SpectraBecomeColours) {
 TEST(Rgl, AnisotropicTablesComputeTheirFormula) {
     std::mt19937_64 random(10);
     for (const int symmetry : {1, 2, 4}) {
-        const auto table = read_rgl(tensor_file(anisotropic_rgl(symmetry)), "anisotropic");
-        ASSERT_TRUE(table.ok()) << message(table.error());
+        const auto table = checked(read_rgl(tensor_file(anisotropic_rgl(symmetry)), "anisotropic"));
         EXPECT_EQ(table->symmetry, symmetry);
         EXPECT_FALSE(is_isotropic(Measured{"", "", 0, *table}));
         for (int i = 0; i < 5000; ++i) {
@@ -174,8 +170,7 @@ TEST(Rgl, WarpMapsTheSquareToItselfWithItsDensity) {
 TEST(Rgl, WarpStaysInTheSquareWithoutDensity) {
     auto fields = simple_rgl();
     field(fields, "vndf") = float_field("vndf", {1, 3, 4, 5}, [](std::size_t i) { return i % 20 < 5 ? 1.0f : 0.0f; });
-    const auto table = read_rgl(tensor_file(fields), "f");
-    ASSERT_TRUE(table.ok()) << message(table.error());
+    const auto table = checked(read_rgl(tensor_file(fields), "f"));
     std::mt19937_64 random(7);
     for (int i = 0; i < 5000; ++i) {
         const Slices slices = slices_at(table->theta_l, float(2 * uniform(random)));

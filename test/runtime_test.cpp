@@ -117,8 +117,7 @@ class RuntimeHeader : public WrittenCode {
 Vec3f direction(std::mt19937_64& random, int i) { return to_float(random_direction(random, i % 4 == 3 ? -1 : 0.001)); }
 
 TEST_F(RuntimeHeader, EqualsTheReadyFile) {
-    const auto kept = read_file((fs::path(SRBF_SOURCE_DIR) / "data" / "ready" / "srbf_runtime.h").string());
-    ASSERT_TRUE(kept.ok());
+    const auto kept = checked(read_file((fs::path(SRBF_SOURCE_DIR) / "data" / "ready" / "srbf_runtime.h").string()));
     const std::string_view text(reinterpret_cast<const char*>(kept->data()), kept->size());
     EXPECT_TRUE(text == runtime_code()) << "copy srbf_runtime.h from the folder of the build";  // they are long
 }

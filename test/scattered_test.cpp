@@ -22,11 +22,14 @@ Result<ScatteredSamples> read(Result<ScatteredSamples> (*reader)(std::span<const
                               std::string_view text) {
     return indexed(reader(as_bytes(text), "f"));
 }
+void expect_error(Result<ScatteredSamples> (*reader)(std::span<const std::byte>, const std::string&),
+                  std::string_view text, std::string_view part) {
+    EXPECT_CONTAINS(error_text(read(reader, text)), part);
+}
 bool near_direction(Vec3f a, Vec3d b) { return near(a.x, b.x, 1e-6) && near(a.y, b.y, 1e-6) && near(a.z, b.z, 1e-6); }
 
 TEST(Cornell, ReadsSpectra) {
-    const auto s = read(read_cornell, k_small_cornell);
-    ASSERT_TRUE(s.ok()) << message(s.error());
+    const auto s = checked(read(read_cornell, k_small_cornell));
     EXPECT_EQ(s->description, "Blue paint");
     EXPECT_TRUE(s->isotropic);
     EXPECT_EQ(s->wavelengths, (std::vector<float>{450, 550, 650}));
@@ -39,53 +42,45 @@ TEST(Cornell, ReadsSpectra) {
 }
 
 TEST(Cornell, ReportsErrors) {
-    EXPECT_CONTAINS(error_text(read(read_cornell, "x\n")),
-                    "line 1: number of wavelengths: expected between 1 and 4096, found 'x'");
-    EXPECT_CONTAINS(error_text(read(read_cornell, "0\n")), "number of wavelengths");
-    EXPECT_CONTAINS(error_text(read(read_cornell, "2\n400\n")),
-                    "wavelength 2 of 2: expected a number, found the end of the file");
-    EXPECT_CONTAINS(error_text(read(read_cornell, "2\n400 400\n")), "wavelengths: expected increasing ones");
-    EXPECT_CONTAINS(error_text(read(read_cornell, "1\n400\n0.1 0 0.1 0\n")),
-                    "number 5 of a sample of 5: expected a number, found the end of");
-    EXPECT_CONTAINS(error_text(read(read_cornell, "1\n400\n0.1 0 0.1 0 1\n0.1 0 zero 0 1\n")),
-                    "line 4: number 3 of a sample of 5");
-    EXPECT_CONTAINS(error_text(read(read_cornell, "1\n400\n")), "samples: expected at least one");
-    EXPECT_CONTAINS(error_text(read(read_cornell, "1\n400\n1.6 0 0 0 1\n0 0 0 0 nan\n")), "found 2 that are not");
+    expect_error(read_cornell, "x\n", "line 1: number of wavelengths: expected between 1 and 4096, found 'x'");
+    expect_error(read_cornell, "0\n", "number of wavelengths");
+    expect_error(read_cornell, "2\n400\n", "wavelength 2 of 2: expected a number, found the end of the file");
+    expect_error(read_cornell, "2\n400 400\n", "wavelengths: expected increasing ones");
+    expect_error(read_cornell, "1\n400\n0.1 0 0.1 0\n",
+                 "number 5 of a sample of 5: expected a number, found the end of");
+    expect_error(read_cornell, "1\n400\n0.1 0 0.1 0 1\n0.1 0 zero 0 1\n", "line 4: number 3 of a sample of 5");
+    expect_error(read_cornell, "1\n400\n", "samples: expected at least one");
+    expect_error(read_cornell, "1\n400\n1.6 0 0 0 1\n0 0 0 0 nan\n", "found 2 that are not");
 }
 
 TEST(Astm, ReadsColumnsByName) {
-    const auto s = read(read_astm, k_small_astm);
-    ASSERT_TRUE(s.ok()) << message(s.error());
+    const auto s = checked(read(read_astm, k_small_astm));
     EXPECT_EQ(s->description, "Blue");
     EXPECT_TRUE(s->isotropic && s->wavelengths.empty() && s->spectrum.empty());
     ASSERT_EQ(s->wl.size(), 3u);
     EXPECT_EQ(s->colour[1], (Rgb{-0.01f, 0.21f, 0.31f}));
     EXPECT_TRUE(near_direction(s->wv[1], spherical(1.0, 0.5)));
 
-    const auto other = read(read_astm, "VARS Y,theta_s,theta_i,phi_s,phi_i\n0.5,0.1,0.2,0.3,0.4\n");
-    ASSERT_TRUE(other.ok()) << message(other.error());
+    const auto other = checked(read(read_astm, "VARS Y,theta_s,theta_i,phi_s,phi_i\n0.5,0.1,0.2,0.3,0.4\n"));
     EXPECT_EQ(other->colour[0], (Rgb{0.5f, 0.5f, 0.5f}));
     EXPECT_TRUE(other->isotropic);  // there is only one azimuth of the light
     EXPECT_TRUE(near_direction(other->wl[0], spherical(0.2, 0.4)) && near_direction(other->wv[0], spherical(0.1, 0.3)));
 
-    const auto xyz = read(read_astm, "VARS theta_i,theta_s,phi_s,X,Y,Z\n0.2,0.1,0.3,0.95047,1,1.08883\n");
-    ASSERT_TRUE(xyz.ok()) << message(xyz.error());
+    const auto xyz = checked(read(read_astm, "VARS theta_i,theta_s,phi_s,X,Y,Z\n0.2,0.1,0.3,0.95047,1,1.08883\n"));
     for (int c = 0; c < 3; ++c) EXPECT_WITHIN(xyz->colour[0][c], 1, 2e-4);
 }
 
 TEST(Astm, ReportsErrors) {
-    EXPECT_CONTAINS(error_text(read(read_astm, "")), "a line VARS");
-    EXPECT_CONTAINS(error_text(read(read_astm, "VARS theta_i,phi_s,R,G,B\n")), "a column theta_s");
-    EXPECT_CONTAINS(error_text(read(read_astm, "VARS theta_i,theta_s,phi_s,R,G\n")),
-                    "values R,G,B or X,Y,Z or one column, found 2 from 'R'");
-    EXPECT_CONTAINS(error_text(read(read_astm, "VARS theta_i,theta_i,theta_s,phi_s,Y\n")), "'theta_i' again");
-    EXPECT_CONTAINS(error_text(read(read_astm, "VARS theta_i,theta_s,phi_s,Y\n1,1,1\n")),
-                    "line 2: sample: expected 4 numbers, found 3");
-    EXPECT_CONTAINS(error_text(read(read_astm, "VARS theta_i,theta_s,phi_s,Y\n1,a,1,1\n")),
-                    "line 2: theta_s: expected a number, found 'a'");
-    EXPECT_CONTAINS(error_text(read(read_astm, "NUM_POINTS 2\nVARS theta_i,theta_s,phi_s,Y\n1,1,1,1\n")),
-                    "samples: expected 2 (NUM_POINTS), found 1");
-    EXPECT_CONTAINS(error_text(read(read_astm, "LAB_NAME x\n1,2,3\n")), "a line VARS before the samples");
+    expect_error(read_astm, "", "a line VARS");
+    expect_error(read_astm, "VARS theta_i,phi_s,R,G,B\n", "a column theta_s");
+    expect_error(read_astm, "VARS theta_i,theta_s,phi_s,R,G\n",
+                 "values R,G,B or X,Y,Z or one column, found 2 from 'R'");
+    expect_error(read_astm, "VARS theta_i,theta_i,theta_s,phi_s,Y\n", "'theta_i' again");
+    expect_error(read_astm, "VARS theta_i,theta_s,phi_s,Y\n1,1,1\n", "line 2: sample: expected 4 numbers, found 3");
+    expect_error(read_astm, "VARS theta_i,theta_s,phi_s,Y\n1,a,1,1\n", "line 2: theta_s: expected a number, found 'a'");
+    expect_error(read_astm, "NUM_POINTS 2\nVARS theta_i,theta_s,phi_s,Y\n1,1,1,1\n",
+                 "samples: expected 2 (NUM_POINTS), found 1");
+    expect_error(read_astm, "LAB_NAME x\n1,2,3\n", "a line VARS before the samples");
 }
 
 /// A parameterization of ALTA: its numbers for a pair of directions. ALTA names the view first.
@@ -191,25 +186,22 @@ TEST(Alta, ReadsItsParameterizations) {
 }
 
 TEST(Alta, ReadsHeadersAndOutputs) {
-    const auto s = read(read_alta, k_small_alta);
-    ASSERT_TRUE(s.ok()) << message(s.error());
+    const auto s = checked(read(read_alta, k_small_alta));
     EXPECT_EQ(s->description, "Tape");
     ASSERT_EQ(s->wl.size(), 3u);
     EXPECT_EQ(s->colour[2], (Rgb{2.5f, 2.5f, 2.5f}));  // the error bar is ignored
-    const auto with_cosine = read(read_alta,
-                                  "#DIM 6 3\n#PARAM_IN CARTESIAN\n#PARAM_OUT INV_STERADIAN_COSINE_FACTOR\n"
-                                  "0.6 0 0.8 0 0 1 0.4 0.8 1.6\n");
-    ASSERT_TRUE(with_cosine.ok()) << message(with_cosine.error());
+    const auto with_cosine = checked(read(read_alta,
+                                          "#DIM 6 3\n#PARAM_IN CARTESIAN\n#PARAM_OUT INV_STERADIAN_COSINE_FACTOR\n"
+                                          "0.6 0 0.8 0 0 1 0.4 0.8 1.6\n"));
     for (int c = 0; c < 3; ++c) EXPECT_WITHIN(with_cosine->colour[0][c], 0.5 * (1 << c), 1e-6);
 
-    EXPECT_CONTAINS(error_text(read(read_alta, "#DIM 2 1\n#PARAM_IN X\n")),
-                    "line 2: #PARAM_IN: expected one of CARTESIAN, SPHERICAL");
-    EXPECT_CONTAINS(error_text(read(read_alta, "#DIM 2 1\n#PARAM_IN CARTESIAN\n1 1 1\n")), "6 inputs for CARTESIAN");
-    EXPECT_CONTAINS(error_text(read(read_alta, "#PARAM_IN CARTESIAN\n1 1 1\n")), "a line #DIM before");
-    EXPECT_CONTAINS(error_text(read(read_alta, "#DIM 6 2\n#PARAM_IN CARTESIAN\n1 1 1 1 1 1 1 1\n")), "1 or 3 outputs");
-    EXPECT_CONTAINS(error_text(read(read_alta, "#DIM 6 1\n#PARAM_IN CARTESIAN\n0 0 1 0 0 1\n")),
-                    "line 3: number 7 of 7: expected a number, found the end of the line");
-    EXPECT_CONTAINS(error_text(read(read_alta, "#DIM 6 1\n#FORMAT binary\n")), "#FORMAT: expected text");
+    expect_error(read_alta, "#DIM 2 1\n#PARAM_IN X\n", "line 2: #PARAM_IN: expected one of CARTESIAN, SPHERICAL");
+    expect_error(read_alta, "#DIM 2 1\n#PARAM_IN CARTESIAN\n1 1 1\n", "6 inputs for CARTESIAN");
+    expect_error(read_alta, "#PARAM_IN CARTESIAN\n1 1 1\n", "a line #DIM before");
+    expect_error(read_alta, "#DIM 6 2\n#PARAM_IN CARTESIAN\n1 1 1 1 1 1 1 1\n", "1 or 3 outputs");
+    expect_error(read_alta, "#DIM 6 1\n#PARAM_IN CARTESIAN\n0 0 1 0 0 1\n",
+                 "line 3: number 7 of 7: expected a number, found the end of the line");
+    expect_error(read_alta, "#DIM 6 1\n#FORMAT binary\n", "#FORMAT: expected text");
 }
 
 // If lights or viewers have one azimuth, only differences of azimuths are known, and few samples tell no more.
@@ -229,8 +221,7 @@ TEST(Csv, IsIsotropicUnlessRotationsChangeValues) {
 }
 
 TEST(Csv, ReadsNamedColumns) {
-    const auto s = read(read_csv, k_small_csv);
-    ASSERT_TRUE(s.ok()) << message(s.error());
+    const auto s = checked(read(read_csv, k_small_csv));
     EXPECT_TRUE(s->isotropic);  // as its header states
     ASSERT_EQ(s->wl.size(), 3u);
     EXPECT_EQ(s->masked, 1u);
@@ -238,15 +229,13 @@ TEST(Csv, ReadsNamedColumns) {
     EXPECT_TRUE(near_direction(s->wv[1], spherical(70 * k_degree, 270 * k_degree)));
     EXPECT_EQ(s->colour[2], (Rgb{0.4f, 0.5f, 0.5f}));
 
-    const auto vectors = read(read_csv, "wv_x,wv_y,wv_z,wl_x,wl_y,wl_z,value\n0.6,0,0.8,0,0.6,0.8,2\n");
-    ASSERT_TRUE(vectors.ok()) << message(vectors.error());
+    const auto vectors = checked(read(read_csv, "wv_x,wv_y,wv_z,wl_x,wl_y,wl_z,value\n0.6,0,0.8,0,0.6,0.8,2\n"));
     EXPECT_TRUE(vectors->isotropic);  // there is only one azimuth of the light
     EXPECT_EQ(vectors->wl[0], (Vec3f{0, 0.6f, 0.8f}));
     EXPECT_EQ(vectors->colour[0], (Rgb{2, 2, 2}));
 
     const auto spectrum =
-        read(read_csv, "theta_l_rad,theta_v_rad,phi_v_rad,450nm,nm550,600.5nm\n0.1,0.2,3,0.5,0.5,0.5\n");
-    ASSERT_TRUE(spectrum.ok()) << message(spectrum.error());
+        checked(read(read_csv, "theta_l_rad,theta_v_rad,phi_v_rad,450nm,nm550,600.5nm\n0.1,0.2,3,0.5,0.5,0.5\n"));
     EXPECT_EQ(spectrum->wavelengths, (std::vector<float>{450, 550, 600.5f}));
     for (int c = 0; c < 3; ++c) EXPECT_WITHIN(spectrum->colour[0][c], 0.5, 1e-5);
 }
@@ -258,21 +247,17 @@ TEST(Angles, OutOfTheRangeOfTheirUnitAreErrors) {
     const std::string degrees = "theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,value\n1,0,2,0,1\n";
     const std::string astm = "VARS theta_i,phi_i,theta_s,phi_s,Y\n0.1,0,0.2,0,1\n";
     const std::string cornell = "1\n550\n0.1 0 0.2 0 1\n";
-    EXPECT_CONTAINS(
-        error_text(read(read_csv, csv + "0.1,0,10,0,1\n")),
+    expect_error(
+        read_csv, csv + "0.1,0,10,0,1\n",
         "line 3: column 3, theta_v_rad: expected a polar angle within 3.142 radians (--columns names angles in "
         "degrees), found 10");
-    EXPECT_CONTAINS(error_text(read(read_csv, csv + "0.1,0,0.2,30,1\n")),
-                    "column 4, phi_v_rad: expected an azimuth within 12.57 radians");
-    EXPECT_CONTAINS(error_text(read(read_csv, degrees + "400,0,1,0,1\n")),
-                    "line 3: column 1, theta_l_deg: expected a polar angle within 180");
-    EXPECT_CONTAINS(error_text(read(read_csv, degrees + "-999,0,1,0,1\n")), "theta_l_deg");
-    EXPECT_CONTAINS(error_text(read(read_astm, astm + "10,0,0.1,0,1\n")),
-                    "line 3: column 1, theta_i: expected a polar angle within 3.142");
-    EXPECT_CONTAINS(error_text(read(read_astm, astm + "0.1,0,0.1,80,1\n")),
-                    "line 3: column 4, phi_s: expected an azimuth");
-    EXPECT_CONTAINS(error_text(read(read_cornell, cornell + "0.1 0 10 0 1\n")),
-                    "line 4: number 3 of a sample of 5: expected a polar angle");
+    expect_error(read_csv, csv + "0.1,0,0.2,30,1\n", "column 4, phi_v_rad: expected an azimuth within 12.57 radians");
+    expect_error(read_csv, degrees + "400,0,1,0,1\n",
+                 "line 3: column 1, theta_l_deg: expected a polar angle within 180");
+    expect_error(read_csv, degrees + "-999,0,1,0,1\n", "theta_l_deg");
+    expect_error(read_astm, astm + "10,0,0.1,0,1\n", "line 3: column 1, theta_i: expected a polar angle within 3.142");
+    expect_error(read_astm, astm + "0.1,0,0.1,80,1\n", "line 3: column 4, phi_s: expected an azimuth");
+    expect_error(read_cornell, cornell + "0.1 0 10 0 1\n", "line 4: number 3 of a sample of 5: expected a polar angle");
     for (const auto& [name, row] : std::initializer_list<std::pair<std::string, std::string>>{
              {"4 1\n#PARAM_IN SPHERICAL_TL_PL_TV_PV", "10 0 0.1 0"},
              {"3 1\n#PARAM_IN ISOTROPIC_TV_TL_DPHI", "0.1 10 0"},
@@ -280,9 +265,8 @@ TEST(Angles, OutOfTheRangeOfTheirUnitAreErrors) {
              {"4 1\n#PARAM_IN RUSIN_TH_PH_TD_PD", "0.1 0 10 0"},
              {"3 1\n#PARAM_IN RUSIN_TH_TD_PD", "0.1 0.1 180"},
              {"3 1\n#PARAM_IN SCHLICK_TL_TK_PROJ_DPHI", "10 0 0"}})
-        EXPECT_CONTAINS(error_text(read(read_alta, "#DIM " + name + "\n" + row + " 1\n")), "line 3: number ");
-    const auto below = read(read_csv, csv + "0.1,0,1.6,0,1\n3.1,0,0.2,0,1\n-0.1,0,0.2,0,1\n");
-    ASSERT_TRUE(below.ok()) << message(below.error());
+        expect_error(read_alta, "#DIM " + name + "\n" + row + " 1\n", "line 3: number ");
+    const auto below = checked(read(read_csv, csv + "0.1,0,1.6,0,1\n3.1,0,0.2,0,1\n-0.1,0,0.2,0,1\n"));
     EXPECT_EQ(below->masked, 2u);
     EXPECT_EQ(below->wl.size(), 2u);
 }
@@ -392,8 +376,7 @@ TEST(Formats, OtherEncodingsAndFilesAreRecognised) {
         if (c != '\xc2')  // "°" is U+00B0, "\xc2\xb0" in UTF-8
             little += {c, '\0'}, big += {'\0', c};
     for (const std::string& other : {cr, little, big}) {
-        const auto measured = read_measured(as_bytes(other), "f");
-        ASSERT_TRUE(measured.ok()) << message(measured.error());
+        const auto measured = checked(read_measured(as_bytes(other), "f"));
         EXPECT_EQ(std::get<ScatteredSamples>(measured->table).wv, expected->wv);
     }
     const auto polarized = tensor_file({float_field("M", {1}, [](std::size_t) { return 1.f; })});
@@ -561,76 +544,67 @@ TEST(Csv, ReadsCommonLayouts) {
 }
 
 TEST(Csv, RefusesAmbiguousColumns) {
-    EXPECT_CONTAINS(error_text(read(read_csv, "theta_i,phi_i,theta_o,phi_o,brdf\n0.1,0,0.2,0,1\n")),
-                    "angles with their unit");
-    EXPECT_CONTAINS(error_text(read(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,r,g,b,r\n1,1,1,1,1,1,9\n")),
-                    "columns 4 and 7, 'r' and 'r'");
-    EXPECT_CONTAINS(error_text(read(read_csv, "theta_l_deg,theta_i_deg,theta_v_deg,phi_v_deg,value\n")),
-                    "'theta_l_deg' and 'theta_i_deg'");
-    EXPECT_CONTAINS(error_text(read(read_csv, "theta_l_deg,theta_v_deg,value\n-30,30,1\n30,30,1\n")),
-                    "phi_l_deg=0,phi_v_deg=0 in --columns");
+    expect_error(read_csv, "theta_i,phi_i,theta_o,phi_o,brdf\n0.1,0,0.2,0,1\n", "angles with their unit");
+    expect_error(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,r,g,b,r\n1,1,1,1,1,1,9\n",
+                 "columns 4 and 7, 'r' and 'r'");
+    expect_error(read_csv, "theta_l_deg,theta_i_deg,theta_v_deg,phi_v_deg,value\n", "'theta_l_deg' and 'theta_i_deg'");
+    expect_error(read_csv, "theta_l_deg,theta_v_deg,value\n-30,30,1\n30,30,1\n",
+                 "phi_l_deg=0,phi_v_deg=0 in --columns");
     const std::string angles = "theta_l_deg,theta_v_deg,phi_v_deg,";
-    EXPECT_CONTAINS(
-        error_text(read(read_csv, angles + "wavelength,r,g,b\n1,2,3,500,1,1,1\n1,2,3,600,1,1,1\n")),
-        "line 3: wavelength: expected one in all rows, or one value in a row, or a column for each as 532nm");
-    EXPECT_CONTAINS(error_text(read(read_csv, angles + "value,brdf\n")), "found 'value' and 'brdf'");
-    EXPECT_CONTAINS(error_text(read(read_csv, angles + "brdf,550nm\n")), "found 'brdf' and '550nm'");
-    EXPECT_CONTAINS(error_text(read(read_csv, angles + "BRDF [dB]\n")), "found the unit of 'BRDF [dB]'");
-    EXPECT_CONTAINS(error_text(read(read_csv, "angle_deg,reflectance_percent\n")), "theta_both_deg");
-    EXPECT_CONTAINS(error_text(read(read_csv, "theta_v_deg,phi_v_deg,value\n1,2,3\n")),
-                    "theta_l_deg=30 in --columns, found no theta_l");
+    expect_error(read_csv, angles + "wavelength,r,g,b\n1,2,3,500,1,1,1\n1,2,3,600,1,1,1\n",
+                 "line 3: wavelength: expected one in all rows, or one value in a row, or a column for each as 532nm");
+    expect_error(read_csv, angles + "value,brdf\n", "found 'value' and 'brdf'");
+    expect_error(read_csv, angles + "brdf,550nm\n", "found 'brdf' and '550nm'");
+    expect_error(read_csv, angles + "BRDF [dB]\n", "found the unit of 'BRDF [dB]'");
+    expect_error(read_csv, "angle_deg,reflectance_percent\n", "theta_both_deg");
+    expect_error(read_csv, "theta_v_deg,phi_v_deg,value\n1,2,3\n", "theta_l_deg=30 in --columns, found no theta_l");
     for (const char* wrong : {"phi_l=180", "phi_l_deg=x", "theta_l_deg=400", "value=1", "theta_l_deg=1"}) {
         const auto measured =
             read_measured(as_bytes("theta_l_deg,theta_v_deg,phi_v_deg,value\n1,2,3,4\n"), "f", {wrong, {}, 0});
         ASSERT_FALSE(measured.ok()) << wrong;
         EXPECT_CONTAINS(message(measured.error()), "f: --columns: expected");
     }
-    const auto isotropic = read_measured(as_bytes("# isotropic\n10 0 20 0 1\n10 90 20 0 1\n"), "f",
-                                         {"theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,value", {}, 0});
-    ASSERT_TRUE(isotropic.ok());
+    const auto isotropic = checked(read_measured(as_bytes("# isotropic\n10 0 20 0 1\n10 90 20 0 1\n"), "f",
+                                                 {"theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,value", {}, 0}));
     EXPECT_TRUE(is_isotropic(*isotropic));
 }
 
 /// A row for each wavelength, one angle for light and viewer, and multi-angle instruments.
 TEST(Csv, ReadsOtherLayouts) {
-    const auto rows = read(read_csv,
-                           "theta_i_deg,theta_r_deg,phi_deg,wavelength [um],BRDF\n10,20,30,0.45,1\n10,20,30,0.55,2\n"
-                           "10,40,30,0.45,3\n10,40,30,0.55,4\n");
-    ASSERT_TRUE(rows.ok()) << message(rows.error());
+    const auto rows =
+        checked(read(read_csv,
+                     "theta_i_deg,theta_r_deg,phi_deg,wavelength [um],BRDF\n10,20,30,0.45,1\n10,20,30,0.55,2\n"
+                     "10,40,30,0.45,3\n10,40,30,0.55,4\n"));
     EXPECT_EQ(rows->wavelengths, (std::vector<float>{450, 550}));
     EXPECT_EQ(rows->spectrum, (std::vector<float>{1, 2, 3, 4}));
     EXPECT_TRUE(near_direction(rows->wv[1], spherical(40 * k_degree, 30 * k_degree)));
-    const auto lidar = read(read_csv, "theta_both_deg,reflectance_percent\n10,200\n20,100\n");
-    ASSERT_TRUE(lidar.ok()) << message(lidar.error());
+    const auto lidar = checked(read(read_csv, "theta_both_deg,reflectance_percent\n10,200\n20,100\n"));
     EXPECT_EQ(lidar->wl, lidar->wv);
     EXPECT_WITHIN(lidar->colour[1].g, 1 / k_pi, 1e-6);
-    const auto angles = read(read_csv, "45as-15,45as15,45as110\n1,2,3\n");
-    ASSERT_TRUE(angles.ok()) << message(angles.error());
+    const auto angles = checked(read(read_csv, "45as-15,45as15,45as110\n1,2,3\n"));
     for (std::size_t i = 0; i < 3; ++i) {
         EXPECT_TRUE(near_direction(angles->wl[i], spherical(45 * k_degree, k_pi)));
         EXPECT_TRUE(near_direction(angles->wv[i], spherical((i == 0 ? 60 : i == 1 ? 30 : -65) * k_degree, 0.0)));
         EXPECT_WITHIN(angles->colour[i].g, double(i + 1) / k_pi, 1e-6);
     }
     const auto small =
-        read(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,value\n0.5,1.4,3,1\n0.5,1,3,N/A\n#N/A,1,3,1\n");
-    ASSERT_TRUE(small.ok());
+        checked(read(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,value\n0.5,1.4,3,1\n0.5,1,3,N/A\n#N/A,1,3,1\n"));
     EXPECT_EQ(small->masked, 1u);  // the last row is a comment
     EXPECT_CONTAINS(small->notes[0], "all polar angles are within 1.4 degrees: radians?");
 }
 
 TEST(Csv, ReportsErrors) {
-    EXPECT_CONTAINS(error_text(read(read_csv, "")), "names of columns, found an empty file");
-    EXPECT_CONTAINS(error_text(read(read_csv, "theta_l,phi_l,theta_v,phi_v,r,g,b\n")), "angles with their unit");
-    EXPECT_CONTAINS(error_text(read(read_csv, "theta_l_deg,phi_l_deg,theta_v_deg,r,g,b\n")), "no phi_v");
-    EXPECT_CONTAINS(error_text(read(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,a,b\n")), "values in columns r,g,b");
-    EXPECT_CONTAINS(error_text(read(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,600nm,500nm\n")),
-                    "increasing wavelengths");
-    EXPECT_CONTAINS(error_text(read(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,value\n1,2,3\n")),
-                    "line 2: sample: expected 4 numbers, found 3");
-    EXPECT_CONTAINS(error_text(read(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,value\n1,2,3,x\n")),
-                    "line 2: column 4: expected a number, found 'x'");
-    EXPECT_CONTAINS(error_text(read(read_csv, "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0,1,0,1,1,1\n")),
-                    "line 2: direction wv: expected length 1");
+    expect_error(read_csv, "", "names of columns, found an empty file");
+    expect_error(read_csv, "theta_l,phi_l,theta_v,phi_v,r,g,b\n", "angles with their unit");
+    expect_error(read_csv, "theta_l_deg,phi_l_deg,theta_v_deg,r,g,b\n", "no phi_v");
+    expect_error(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,a,b\n", "values in columns r,g,b");
+    expect_error(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,600nm,500nm\n", "increasing wavelengths");
+    expect_error(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,value\n1,2,3\n",
+                 "line 2: sample: expected 4 numbers, found 3");
+    expect_error(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,value\n1,2,3,x\n",
+                 "line 2: column 4: expected a number, found 'x'");
+    expect_error(read_csv, "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0,1,0,1,1,1\n",
+                 "line 2: direction wv: expected length 1");
 }
 
 /// Samples of a smooth BRDF at random pairs of directions.
@@ -660,8 +634,7 @@ TEST(Joined, HasTheSamplesOfAllFilesAndTheAnglesOfTheirHeaders) {
     for (const char* angles :
          {"#intheta {}\n#inphi 30", "#incident_angle\t{}\t30", "# Incidence (deg) = {}\n# phi_i: 30°"}) {
         const auto all =
-            joined(std::array{of_incidence(10, angles), of_incidence(30, angles), of_incidence(50, angles)});
-        ASSERT_TRUE(all) << message(all.error());
+            checked(joined(std::array{of_incidence(10, angles), of_incidence(30, angles), of_incidence(50, angles)}));
         EXPECT_EQ(all->source, "10.txt, 30.txt, 50.txt");
         const auto& s = std::get<ScatteredSamples>(all->table);
         EXPECT_CONTAINS(s.notes[0],
@@ -814,8 +787,7 @@ TEST(ScatteredSamples, MeasuredPaintsAreReadAndInterpolated) {
     const auto folder = shared_data();
     if (!std::filesystem::exists(folder / "cornell")) GTEST_SKIP() << folder << " is not here";
     for (const char* name : {"krylon_blue", "garnet_red", "acryl_blue"}) {
-        const auto paint = load_measured((folder / "cornell" / (std::string(name) + ".brdf")).string());
-        ASSERT_TRUE(paint.ok()) << message(paint.error());
+        const auto paint = checked(load_measured((folder / "cornell" / (std::string(name) + ".brdf")).string()));
         EXPECT_EQ(paint->format, "Cornell");
         const auto& s = std::get<ScatteredSamples>(paint->table);
         EXPECT_EQ(s.wl.size(), 1439u);
@@ -824,8 +796,7 @@ TEST(ScatteredSamples, MeasuredPaintsAreReadAndInterpolated) {
     }
     // These files have the same samples as spectra and as colours.
     const auto spectra = load_measured((folder / "cornell" / "krylon_blue.brdf").string());
-    const auto colours = load_measured((folder / "cornell" / "krylon_blue_RGB.astm").string());
-    ASSERT_TRUE(colours.ok()) << message(colours.error());
+    const auto colours = checked(load_measured((folder / "cornell" / "krylon_blue_RGB.astm").string()));
     EXPECT_EQ(colours->format, "ASTM E1392");
     const auto &a = std::get<ScatteredSamples>(spectra->table).colour,
                &b = std::get<ScatteredSamples>(colours->table).colour;
@@ -839,8 +810,7 @@ TEST(ScatteredSamples, MeasuredPaintsAreReadAndInterpolated) {
         }
     EXPECT_LT(difference / total, 2e-8);
 
-    const auto tape = load_measured((folder / "alta" / "retro-gray-tape.dat").string());
-    ASSERT_TRUE(tape.ok()) << message(tape.error());
+    const auto tape = checked(load_measured((folder / "alta" / "retro-gray-tape.dat").string()));
     EXPECT_EQ(tape->format, "ALTA");
     const auto& s = std::get<ScatteredSamples>(tape->table);
     EXPECT_EQ(s.wl.size() + s.masked, 7405u);  // the masked ones are at 90°

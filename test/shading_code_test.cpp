@@ -557,8 +557,7 @@ TEST_F(ShadingCode, RunsViewByView) {
     const auto& su = std::get<SuModel>(model.model);
     const std::vector<NamedModel> named{{"su", &model}};
     const std::vector<float> data = shading_data(su);
-    const auto text = shading_code(named, "su", {.language = CodeLanguage::c});
-    ASSERT_TRUE(text) << message(text.error());
+    const auto text = checked(shading_code(named, "su", {.language = CodeLanguage::c}));
     void* const library =
         compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Werror", "su",
                  "static const float* data;\n#define su_number(i) data[i]\n" + *text +

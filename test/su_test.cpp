@@ -248,8 +248,7 @@ TEST(SuFile, RoundTripGivesTheRoundedModel) {
                     EXPECT_LE(dot(d, d), 2e-6f);
                 }
                 const auto bytes = write_model({model, {{"source", "a.bsdf"}}});
-                const auto reread = read_model(bytes, "x");
-                ASSERT_TRUE(reread) << message(reread.error());
+                const auto reread = checked(read_model(bytes, "x"));
                 EXPECT_EQ(std::get<SuModel>(reread->model), rounded_model);
                 EXPECT_EQ(reread->provenance, (std::map<std::string, std::string>{{"source", "a.bsdf"}}));
                 // Rounding again has little effect: the angles are relative to a direction that is not in half

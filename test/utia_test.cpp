@@ -33,8 +33,7 @@ TEST(Utia, InterpolatesItsNodes) {
 
 TEST(Utia, IsReadByItsSize) {
     const Bytes bytes = utia_file([](int, int, int, int, int c) { return c == 0 ? -0.25 : 0.5; });
-    const auto measured = read_measured(bytes, "t");
-    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto measured = checked(read_measured(bytes, "t"));
     EXPECT_EQ(measured->format, "UTIA");
     EXPECT_FALSE(is_isotropic(*measured));
     // Negative values are not masked: a colour may lie outside of the gamut.
@@ -46,11 +45,11 @@ TEST(Utia, IsReadByItsSize) {
 }
 
 TEST(Utia, NonFiniteValuesAreMasked) {
-    const auto t = read_utia(utia_file([](int l, int, int v, int, int c) {
-                                 return l == 2 && v == 3 && c == 1 ? std::nan("") : l == 4 && c == 0 ? INFINITY : 1.0;
-                             }),
-                             "t");
-    ASSERT_TRUE(t.ok());
+    const auto t =
+        checked(read_utia(utia_file([](int l, int, int v, int, int c) {
+                              return l == 2 && v == 3 && c == 1 ? std::nan("") : l == 4 && c == 0 ? INFINITY : 1.0;
+                          }),
+                          "t"));
     EXPECT_EQ(t->functions->lines()[1].text, grouped(48 * 48 + 48 * 288) + " of " + grouped(288 * 288));
     const auto at = [&](double theta_l, double theta_v) {
         return value(*t, to_float(spherical(theta_l * k_degree, 0.1)), to_float(spherical(theta_v * k_degree, 2.0)));
@@ -64,8 +63,7 @@ TEST(Utia, NonFiniteValuesAreMasked) {
 
 TEST(Utia, SatisfiesTheContractOfABrdf) {
     std::mt19937_64 random(2);
-    const auto t = read_utia(utia_file([&](int, int, int, int, int) { return 3 * uniform(random) - 1; }), "t");
-    ASSERT_TRUE(t.ok());
+    const auto t = checked(read_utia(utia_file([&](int, int, int, int, int) { return 3 * uniform(random) - 1; }), "t"));
     for (int i = 0; i < 20000; ++i) {
         const Vec3f wl = direction_with_extremes(random), wv = to_float(random_direction(random));
         ASSERT_TRUE(satisfies_contract(value(*t, wl, wv), wl, wv, false));

@@ -97,8 +97,7 @@ void write_missing() {
         const fs::path file = folder / (name + ".srbf");
         if (fs::exists(file)) return;
         ASSERT_TRUE(write_file(file.string(), bytes).ok());
-        const auto loaded = load_brdf(file.string());
-        ASSERT_TRUE(loaded.ok()) << message(loaded.error());
+        const auto loaded = checked(load_brdf(file.string()));
         write_text(folder / (name + ".csv"), csv_of(values_of(*loaded)));
     };
     for (const auto& [name, model] : current_models()) add(name, write_model(model));
@@ -112,8 +111,7 @@ TEST(Versions, FilesOfEachVersionKeepTheirMeaning) {
         SCOPED_TRACE(entry.path().string());
         ++files;
         if (k_refused.contains(entry.path().stem().string())) continue;
-        const auto loaded = load_brdf(entry.path().string());
-        ASSERT_TRUE(loaded.ok()) << message(loaded.error());
+        const auto loaded = checked(load_brdf(entry.path().string()));
         const auto expected = values_in(fs::path(entry.path()).replace_extension(".csv")), found = values_of(*loaded);
         ASSERT_EQ(found.size(), expected.size());
         for (std::size_t i = 0; i < found.size(); ++i)

@@ -123,19 +123,16 @@ TEST(Closures, HaveADiffuseRamp) {
 
 TEST(Closures, RecoverASurfaceOfFacets) {
     const Evaluate facets = evaluator(constant({0, 0.45f, 0, {0.5f, 0.4f, 0.2f}}, {0.05f, 0.1f, 0.2f}, 16));
-    const auto fit = fit_closures(facets, {.terms = 1, .knots = 16});
-    ASSERT_TRUE(fit.ok());
+    const auto fit = checked(fit_closures(facets, {.terms = 1, .knots = 16}));
     EXPECT_LT(delta_e(facets, evaluator(*fit)), 0.5);
     const auto again = fit_closures(facets, {.terms = 1, .knots = 16, .threads = 1});
     EXPECT_EQ(fit->diffuse, again->diffuse) << "the number of threads changes a fit";
 }
 
 TEST(Closures, ShowAMeasurementAndReflectNoMoreThanAllLight) {
-    const auto paper = load_brdf(bundled_data() / "paper_white_rgb.bsdf");
-    ASSERT_TRUE(paper.ok());
+    const auto paper = checked(load_brdf(bundled_data() / "paper_white_rgb.bsdf"));
     const Evaluate f = evaluator(std::get<Measured>(*paper));
-    const auto fit = fit_closures(f, {.terms = 2, .knots = 16});
-    ASSERT_TRUE(fit.ok());
+    const auto fit = checked(fit_closures(f, {.terms = 2, .knots = 16}));
     const Evaluate fitted = evaluator(*fit);
     EXPECT_LT(delta_e(f, fitted), 3);
     for (const double theta : {0.0, 20.0, 45.0, 70.0, 80.0, 84.0, 86.0, 88.0}) {
@@ -161,8 +158,7 @@ TEST(Closures, ShowMirrorLikeAndMatteSurfaces) {
           Surface{{.base_color = {0, 0, 0}, .specular_roughness = 0.14f}, 6},
           Surface{{.base_color = {0.8f, 0.4f, 0.1f}, .specular_weight = 0}, 0.2}}) {
         const Evaluate surface = evaluator(model);
-        const auto fit = fit_closures(surface, {.terms = 2, .knots = 12});
-        ASSERT_TRUE(fit.ok());
+        const auto fit = checked(fit_closures(surface, {.terms = 2, .knots = 12}));
         const Evaluate fitted = evaluator(*fit);
         EXPECT_LT(delta_e(surface, fitted), most_error);
         for (const double theta : {5.0, 40.0, 65.0})

@@ -37,8 +37,7 @@ TEST_F(BsdfCommand, FitsAndEvaluatesBothSides) {
     ASSERT_EQ(report["parts"].size(), 4u);
     EXPECT_EQ(report["parts"][3]["answered_by"], "transmission_front");
     EXPECT_EQ(report["parts"][2]["hemispherical"].size(), 3u);
-    const auto model = load_brdf(folder / "shade.srbf");
-    ASSERT_TRUE(model.ok()) << message(model.error());
+    const auto model = checked(load_brdf(folder / "shade.srbf"));
     EXPECT_TRUE(is_two_sided(*model));
     EXPECT_EQ(report["payload_bytes"], payload_bytes(std::get<Model>(*model)));
 
@@ -108,8 +107,7 @@ TEST_F(BsdfCommand, FitsViewByViewAndByLambertAndGgx) {
         ASSERT_EQ(report["parts"].size(), 4u);
         for (const Json& part : report["parts"])  // the matrix is piecewise constant
             EXPECT_LT(part["squared_error_ratio"], 0.05) << model << part["part"];
-        const auto loaded = load_brdf(folder / (model + ".srbf"));
-        ASSERT_TRUE(loaded.ok()) << message(loaded.error());
+        const auto loaded = checked(load_brdf(folder / (model + ".srbf")));
         EXPECT_EQ(report["payload_bytes"], payload_bytes(std::get<Model>(*loaded)));
         const auto& part = std::get<BsdfModel>(std::get<Model>(*loaded).model).part[0];
         ASSERT_TRUE(part);

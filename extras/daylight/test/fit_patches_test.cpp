@@ -27,13 +27,11 @@ TEST(FitPatches, AveragesOverPatches) {
         }
         return sum / (n * n * n * n);
     };
-    const auto measured = read_measured(
-        as_bytes(bsdf_xml(small_basis_xml(), matrix_xml("Reflection Front", "small", basis.patches(), mean))), "f");
-    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto measured = checked(read_measured(
+        as_bytes(bsdf_xml(small_basis_xml(), matrix_xml("Reflection Front", "small", basis.patches(), mean))), "f"));
     PmRequest pm;
     pm.size = LobeCount{2}, pm.variates = 1, pm.form = PmForm::gaussian;
-    const auto fitted = fit_bsdf(*measured, {.model = pm});
-    ASSERT_TRUE(fitted.ok()) << message(fitted.error());
+    const auto fitted = checked(fit_bsdf(*measured, {.model = pm}));
     EXPECT_LT(fitted->parts[0].squared_error_ratio, 1e-2);
     std::mt19937_64 random(4);
     double fit_error = 0, patch_error = 0;
@@ -48,12 +46,10 @@ TEST(FitPatches, AveragesOverPatches) {
 
 TEST(FitPatches, FitsASmallShadeOfFourParts) {
     const std::string text = small_shade();
-    const auto measured = read_measured(as_bytes(text), "f");
-    ASSERT_TRUE(measured.ok());
+    const auto measured = checked(read_measured(as_bytes(text), "f"));
     FitRequest request;
     request.model = PmRequest{.variates = 2, .size = LobeCount{2}};
-    const auto fitted = fit_bsdf(*measured, request);
-    ASSERT_TRUE(fitted.ok()) << message(fitted.error());
+    const auto fitted = checked(fit_bsdf(*measured, request));
     ASSERT_EQ(fitted->parts.size(), 4u);
     EXPECT_FALSE(fitted->parts[1].answered_by.has_value());
     EXPECT_EQ(fitted->parts[3].answered_by, Part::transmission_front);
@@ -66,8 +62,7 @@ TEST(FitPatches, FitsASmallShadeOfFourParts) {
 /// A matrix that few lobes cannot represent is still fitted.
 TEST(FitPatches, PatchesThatNoLobesFollowGiveAFit) {
     const std::string text = small_shade();
-    const auto measured = read_measured(as_bytes(text), "f");
-    ASSERT_TRUE(measured.ok());
+    const auto measured = checked(read_measured(as_bytes(text), "f"));
     const auto& part = std::get<BsdfTable>(measured->table).band().part[std::size_t(Part::transmission_front)];
     KlemsTable table = *own_table<KlemsTable>(*part);
     for (std::size_t i = 0; i < table.cells.size(); ++i) table.cells[i] = i % 7 == 0 ? Rgb{5, 5, 5} : Rgb{};
@@ -109,10 +104,8 @@ TEST(FitPatches, TotalsAreKept) {
             };
             const std::string text = bsdf_xml(
                 "", matrix("Transmission Back", 0.6, 0.2, 0) + matrix("Reflection Back", 0.08, 0.4, scattered));
-            const auto measured = read_measured(as_bytes(text), "f");
-            ASSERT_TRUE(measured.ok()) << message(measured.error());
-            const auto fitted = fit_bsdf(*measured, {.model = GgxRequest{}});
-            ASSERT_TRUE(fitted.ok()) << message(fitted.error());
+            const auto measured = checked(read_measured(as_bytes(text), "f"));
+            const auto fitted = checked(fit_bsdf(*measured, {.model = GgxRequest{}}));
             std::vector<AnyBrdf> all{*measured, fitted->model};
             for (const Format& format : formats()) {
                 if (!format.write || format.one_sided) continue;
@@ -120,8 +113,7 @@ TEST(FitPatches, TotalsAreKept) {
                     all[1], format, {.description = {}, .directions = 32, .choice = format.option ? "quarter" : ""});
                 EXPECT_EQ(bytes.ok(), format.beams || beam == 0) << format.name;
                 if (!bytes) continue;
-                const auto again = read_as(format, *bytes, "f");
-                ASSERT_TRUE(again.ok()) << message(again.error());
+                const auto again = checked(read_as(format, *bytes, "f"));
                 all.push_back(*again);
             }
             for (const AnyBrdf& brdf : all)

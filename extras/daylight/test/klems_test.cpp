@@ -23,9 +23,8 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 TEST(Klems, BasesCoverTheHemisphere) {
     for (const auto& [name, count] :
          {std::pair("LBNL/Klems Full", 145), {"LBNL/Klems Half", 77}, {"lbnl/klems quarter", 41}}) {
-        const auto measured = read(
-            bsdf_xml("", matrix_xml("Reflection Front", name, std::size_t(count), [](auto, auto) { return 0.25; })));
-        ASSERT_TRUE(measured.ok()) << message(measured.error());
+        const auto measured = checked(read(
+            bsdf_xml("", matrix_xml("Reflection Front", name, std::size_t(count), [](auto, auto) { return 0.25; }))));
         const auto& part = *own_table<KlemsTable>(*std::get<BsdfTable>(measured->table).band().part[0]);
         const AngleBasis& basis = part.incident;
         ASSERT_EQ(basis.patches(), std::size_t(count));
@@ -45,8 +44,7 @@ TEST(Klems, BasesCoverTheHemisphere) {
 }
 
 TEST(Klems, LooksUpPatchesOnBothSides) {
-    const auto measured = read(small_shade());
-    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto measured = checked(read(small_shade()));
     EXPECT_EQ(measured->format, "BSDF XML");
     const auto& table = std::get<BsdfTable>(measured->table);
     ASSERT_EQ(table.bands.size(), 2u);
@@ -75,8 +73,7 @@ TEST(Klems, LooksUpPatchesOnBothSides) {
 /// The peak of a patch around the direction straight through is separated as a beam. The beam's share and the
 /// remaining values sum to the file's value. Reflections without a peak have no beam.
 TEST(Klems, SeparatesTheBeam) {
-    const auto measured = read(small_shade());
-    ASSERT_TRUE(measured.ok());
+    const auto measured = checked(read(small_shade()));
     const auto& band = std::get<BsdfTable>(measured->table).band();
     EXPECT_TRUE(band.beam[0].empty() && band.beam[1].empty());
     ASSERT_EQ(band.beam[2].theta.size(), 3u);
@@ -102,9 +99,8 @@ TEST(Klems, BeamsDependOnAzimuth) {
         });
     };
     for (const std::size_t shift : {std::size_t(2), std::size_t(1)}) {
-        const auto measured =
-            read(bsdf_xml(small_basis_xml(), matrix("Transmission Front", 0) + matrix("Transmission Back", shift)));
-        ASSERT_TRUE(measured.ok());
+        const auto measured = checked(
+            read(bsdf_xml(small_basis_xml(), matrix("Transmission Front", 0) + matrix("Transmission Back", shift))));
         const Beams& beams = std::get<BsdfTable>(measured->table).band().beam;
         EXPECT_EQ(beams[3].empty(), shift == 2);  // rotated by 180°, the lines are the same
         EXPECT_EQ(beams[2].azimuths, (std::vector<int>{1, 4, 4}));
@@ -129,15 +125,13 @@ TEST(Klems, BeamsDependOnAzimuth) {
 TEST(Klems, KeepsWideLobes) {
     const char* name = "LBNL/Klems Full";
     const auto uniform =
-        read(bsdf_xml("", matrix_xml("Transmission Front", name, 145, [](auto, auto) { return 0.1; })));
-    ASSERT_TRUE(uniform.ok());
+        checked(read(bsdf_xml("", matrix_xml("Transmission Front", name, 145, [](auto, auto) { return 0.1; }))));
     const AngleBasis basis = own_table<KlemsTable>(*std::get<BsdfTable>(uniform->table).band().part[2])->incident;
     const auto wide = [&](std::size_t o, std::size_t i) {
         const Vec3d a = basis.point_of(o, 0.5, 0.5), b = basis.point_of(i, 0.5, 0.5);
         return 0.02 + std::exp(50 * (dot(a, b) - 1));
     };
-    const auto measured = read(bsdf_xml("", matrix_xml("Transmission Front", name, basis.patches(), wide)));
-    ASSERT_TRUE(measured.ok());
+    const auto measured = checked(read(bsdf_xml("", matrix_xml("Transmission Front", name, basis.patches(), wide))));
     EXPECT_TRUE(std::get<BsdfTable>(measured->table).band().beam[2].empty());
 }
 
@@ -175,8 +169,7 @@ TEST(Klems, NamesAreReadAsTheyAreWritten) {
         ASSERT_TRUE(table.ok()) << one;
         ASSERT_EQ(table->bands.size(), 2u);
         EXPECT_EQ(table->bands[0].name, name);
-        const auto again = read_bsdf_xml(as_bytes(write_bsdf_xml(*table)), "f");
-        ASSERT_TRUE(again.ok()) << message(again.error());
+        const auto again = checked(read_bsdf_xml(as_bytes(write_bsdf_xml(*table)), "f"));
         ASSERT_EQ(again->bands.size(), 2u);
         for (std::size_t b = 0; b < 2; ++b) EXPECT_EQ(again->bands[b].name, table->bands[b].name);
     }
@@ -202,11 +195,9 @@ TEST(Klems, ColoursAreOfSeveralBands) {
     for (const auto& text :
          {file({{"R", 0.1}, {"G", 0.2}, {"B", 0.3}}), file({{"Blue", 0.3}, {"red", 0.1}, {"Green", 0.2}}),
           file({{"Visible", 0.4}, {"B", 0.3}, {"R", 0.1}, {"G", 0.2}, {"Solar", 0.5}})}) {
-        const auto measured = read(text);
-        ASSERT_TRUE(measured.ok()) << message(measured.error());
+        const auto measured = checked(read(text));
         EXPECT_EQ(colour_of(measured), (Rgb{0.1f, 0.2f, 0.3f}));
-        const auto again = read(write_bsdf_xml(std::get<BsdfTable>(measured->table)));
-        ASSERT_TRUE(again.ok()) << message(again.error());
+        const auto again = checked(read(write_bsdf_xml(std::get<BsdfTable>(measured->table))));
         EXPECT_EQ(colour_of(again), (Rgb{0.1f, 0.2f, 0.3f}));
     }
     const auto grey = read(file({{"Visible", 0.2}, {"CIE-X", 0.2}, {"CIE-Z", 0.2}})),
@@ -224,8 +215,7 @@ TEST(Klems, ColoursAreOfSeveralBands) {
     }
     // Bands with other patches or parts stay separate. Laser lines are not a colour.
     for (const auto& text : {file({{"R", 0.1}, {"G", 0.2}}), file({{"632", 0.1}, {"905", 0.2}, {"1550", 0.3}})}) {
-        const auto measured = read(text);
-        ASSERT_TRUE(measured.ok());
+        const auto measured = checked(read(text));
         EXPECT_EQ(colour_of(measured), (Rgb{0.1f, 0.1f, 0.1f}));
     }
 }
@@ -285,8 +275,7 @@ TEST(Klems, RefusesBadFiles) {
 TEST(Klems, SumsOfARollerShadeAgreeWithIndependentOnes) {
     const auto path = shared_data() / "klems" / "2011-SA1.xml";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;
-    const auto measured = load_measured(path);
-    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto measured = checked(load_measured(path));
     EXPECT_TRUE(is_isotropic(*measured));
     const auto& band = std::get<BsdfTable>(measured->table).band();
     // The file's directional-hemispherical sums at 0° and 82.5°, computed independently.

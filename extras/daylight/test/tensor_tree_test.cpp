@@ -40,8 +40,7 @@ double sum_of(const std::array<double, 4>& x) { return x[0] + 10 * x[1] + 100 * 
 /// the values of its leaves.
 TEST(TensorTree, BranchesAndGridsAgree) {
     for (const int rank : {3, 4}) {
-        const auto grid = read_tensor_tree(grid_text(rank, 2, sum_of), rank);
-        ASSERT_TRUE(grid.ok()) << message(grid.error());
+        const auto grid = checked(read_tensor_tree(grid_text(rank, 2, sum_of), rank));
         std::string branches = "{";
         for (int child = 0; child < 1 << rank; ++child)
             branches += grid_text(rank, 1, [&](std::array<double, 4> x) {
@@ -49,8 +48,7 @@ TEST(TensorTree, BranchesAndGridsAgree) {
                 if (rank == 3) x[3] = 0;
                 return sum_of(x);
             });
-        const auto tree = read_tensor_tree(branches + "}\n", rank);
-        ASSERT_TRUE(tree.ok()) << message(tree.error());
+        const auto tree = checked(read_tensor_tree(branches + "}\n", rank));
         EXPECT_EQ(tree->smallest_leaf(), 0.25f);
         std::mt19937_64 random(1);
         for (int i = 0; i < 500; ++i) {
@@ -109,8 +107,7 @@ TEST(TensorTree, ColoursAreThoseOfTheirChromaticities) {
                                  tree_block("Reflection Front", fmt::format("{{{}}}", v), "CIE-v"),
                              "TensorTree3"));
     };
-    const auto white = coloured(4.0 / 19, 9.0 / 19);
-    ASSERT_TRUE(white.ok()) << message(white.error());
+    const auto white = checked(coloured(4.0 / 19, 9.0 / 19));
     EXPECT_EQ(std::get<BsdfTable>(white->table).bands.size(), 1u);
     for (int c = 0; c < 3; ++c) EXPECT_WITHIN(value(*white, {0, 0, 1}, {0, 0, 1})[c], 0.5, 1e-4);
     const Rgb red = value(*coloured(0.3, 0.5), {0, 0, 1}, {0, 0, 1});
@@ -151,8 +148,7 @@ TEST(TensorTree, RefusesBadTrees) {
 TEST(TensorTree, MeanOfAShadeAgreesWithRadiance) {
     const auto path = shared_data() / "tensor" / "t3.xml";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;
-    const auto measured = load_measured(path);
-    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto measured = checked(load_measured(path));
     const auto& tree = own_table<TreeTable>(*std::get<BsdfTable>(measured->table).band().part[3])->y;
     double sum = 0;
     const int n = 64;
@@ -163,11 +159,9 @@ TEST(TensorTree, MeanOfAShadeAgreesWithRadiance) {
 
 /// What is written is read as the same matrices and written again as the same bytes, for each of the bases.
 TEST(BsdfXml, WriteReadIdentity) {
-    const auto measured = read(small_shade());
-    ASSERT_TRUE(measured.ok());
+    const auto measured = checked(read(small_shade()));
     const std::string written = write_bsdf_xml(std::get<BsdfTable>(measured->table));
-    const auto again = read(written);
-    ASSERT_TRUE(again.ok()) << message(again.error());
+    const auto again = checked(read(written));
     const auto &a = std::get<BsdfTable>(measured->table), &b = std::get<BsdfTable>(again->table);
     ASSERT_EQ(b.bands.size(), a.bands.size());
     EXPECT_EQ(b.description, a.description);

@@ -54,8 +54,7 @@ TEST(FitMap, WrittenMapsAreReadBack) {
     const TexelMap map = some_map();
     const auto bytes = write_map(map);
     EXPECT_TRUE(is_map_file(bytes));
-    const auto read = read_map(bytes, "a");
-    ASSERT_TRUE(read) << message(read.error());
+    const auto read = checked(read_map(bytes, "a"));
     EXPECT_TRUE(*read == map);
     EXPECT_FALSE(read_model(bytes, "a"));
     for (std::size_t size = 0; size < bytes.size(); ++size)
@@ -68,8 +67,7 @@ TEST(FitMap, WrittenMapsAreReadBack) {
 /// Libraries of version 0.1: a dense one is a row of its materials.
 TEST(FitMap, FilesOfLibrariesAreReadOrRefusedInOneLine) {
     const std::filesystem::path corpus = std::filesystem::path(SRBF_SOURCE_DIR) / "fuzz/corpus/map";
-    const auto two = read_map(*read_file((corpus / "two").string()), "two");
-    ASSERT_TRUE(two) << message(two.error());
+    const auto two = checked(read_map(*read_file((corpus / "two").string()), "two"));
     EXPECT_EQ(two->width, two->count());
     const auto sparse = read_map(*read_file((corpus / "sparse").string()), "sparse");
     ASSERT_FALSE(sparse);
@@ -169,8 +167,7 @@ TEST(FitMap, MatteTexelsHaveNoHighlights) {
     const SharedPairs pairs{wl, wv, true};
     MapOptions options;
     options.lobes = 8, options.threads = 1;
-    auto map = fit_map(pairs, f, options);
-    ASSERT_TRUE(map) << message(map.error());
+    auto map = checked(fit_map(pairs, f, options));
     const TexelCoefficients found = coefficients_of_texels(*map, pairs, f, 1);
     map->coefficient = found.coefficient, map->error = found.error;
     for (const Rgb& colour : found.coefficient)
@@ -211,8 +208,7 @@ TEST(FitMap, SharedLobesAreFound) {
     }
     MapOptions options;
     options.form = PmForm::horizon, options.lobes = 4, options.variates = 2, options.threads = 1;
-    const auto one = fit_map(materials, options);
-    ASSERT_TRUE(one) << message(one.error());
+    const auto one = checked(fit_map(materials, options));
     options.threads = 2;
     const auto two = fit_map(materials, options);
     ASSERT_TRUE(two);

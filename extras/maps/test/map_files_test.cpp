@@ -19,8 +19,7 @@ std::string npy(const std::string& header, std::size_t numbers) {
 TEST(Npy, HeadIsReadAndEveryTruncationIsAnError) {
     const std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 5, 3), }\n";
     const std::string file = npy(header, 30);
-    const auto head = read_npy_head(as_bytes(file), file.size(), "texels.npy");
-    ASSERT_TRUE(head) << message(head.error());
+    const auto head = checked(read_npy_head(as_bytes(file), file.size(), "texels.npy"));
     EXPECT_EQ(head->shape, (std::vector<std::uint64_t>{2, 5, 3}));
     EXPECT_EQ(head->data, 10 + header.size());
     for (std::size_t n = 0; n < file.size(); ++n)
@@ -69,8 +68,7 @@ TEST_F(MapFiles, TexelsShareLobes) {
     const ProgramRun done = map({"texels.npy", "--pairs", "pairs.csv", "--width", "4"});
     ASSERT_EQ(done.status, 0) << done.err;
     EXPECT_CONTAINS(done.out, "8 texels of 3 shared lobes");
-    const auto made = read_map(as_bytes(read_text(folder / "map.srbf")), "m");
-    ASSERT_TRUE(made) << message(made.error());
+    const auto made = checked(read_map(as_bytes(read_text(folder / "map.srbf")), "m"));
     EXPECT_EQ(std::pair(made->width, made->height()), std::pair(std::size_t(4), std::size_t(2)));
     for (const float error : made->error) EXPECT_LT(error, 0.5f);
     EXPECT_TRUE(write_map(*made) == *read_file(folder / "map.srbf"));
@@ -100,8 +98,7 @@ TEST_F(MapFiles, MasksPaintMaterials) {
     const ProgramRun done = map({paper, film, "--masks", "masks.npy"});
     ASSERT_EQ(done.status, 0) << done.err;
     EXPECT_CONTAINS(done.out, "4 × 1 texels of 2 materials");
-    const auto made = read_map(as_bytes(read_text(folder / "map.srbf")), "m");
-    ASSERT_TRUE(made) << message(made.error());
+    const auto made = checked(read_map(as_bytes(read_text(folder / "map.srbf")), "m"));
     const auto beta = [&](std::size_t t, std::size_t j) { return made->coefficient[t * 3 + j]; };
     for (std::size_t j = 0; j < 3; ++j)
         for (int c = 0; c < 3; ++c) {

@@ -40,8 +40,7 @@ const std::string k_zemax =
 
 /// Radial angles are measured from the mirror direction; azimuth 180 points towards grazing; zeros are gaps.
 TEST(Zemax, LooksUpAboutTheMirrorDirection) {
-    const auto measured = read(k_zemax);
-    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto measured = checked(read(k_zemax));
     EXPECT_EQ(measured->format, "Zemax");
     EXPECT_TRUE(is_isotropic(*measured));
     EXPECT_EQ(own_table<ScatterTable>(*measured)->masked, 2u);
@@ -74,8 +73,7 @@ TEST(Zemax, HasNoValuesBeyondItsAngles) {
         "SampleRotation 1\n0\nAngleOfIncidence 2\n0 30\nScatterAzimuth 4\n0 60 120 180\nScatterRadial 3\n0 15 30\n"
         "Monochrome\nDataBegin\n";
     for (int k = 0; k < 2; ++k) text += "TIS 0.4\n0.5 0.5 0.5\n0.5 0.5 0.5\n0.5 0.5 0.5\n0.5 0.5 0.5\n";
-    const auto measured = read(text + "DataEnd\n");
-    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto measured = checked(read(text + "DataEnd\n"));
     const auto& table = *own_table<ScatterTable>(*measured);
     // ∫ cosθ over a cone of half angle α about θ is π sin²α cosθ.
     EXPECT_WITHIN(scatter_integral(table, table.slices[0]), 0.5 * k_pi * 0.25, 0.003);
@@ -93,8 +91,7 @@ TEST(Zemax, HasNoValuesBeyondItsAngles) {
     EXPECT_TRUE(std::isnan(f_at(50, 80.1)));
     // Scans of half of the azimuths do not determine the others.
     text.replace(text.find("0 60 120 180"), 12, "0 20  40  60");
-    const auto half = read(text + "DataEnd\n");
-    ASSERT_TRUE(half.ok());
+    const auto half = checked(read(text + "DataEnd\n"));
     EXPECT_WITHIN(double(value(*half, {0, 0, 1}, to_float(spherical(0.3, -1.0))).g), 0.5, 1e-6);
     EXPECT_TRUE(std::isnan(value(*half, {0, 0, 1}, to_float(spherical(0.3, 1.2))).g));
 }
@@ -107,8 +104,7 @@ TEST(Speos, HasNoValuesBeyondItsAngles) {
     const std::vector<float> polar{0, float(70 * k_degree)}, azimuth{0, float(k_pi), float(2 * k_pi)};
     table.slices.push_back({float(30 * k_degree), polar, azimuth, std::vector<float>(6, 0.2f)});
     const ScatterTable* const one[] = {&table};
-    const auto measured = read(write_speos(one));
-    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto measured = checked(read(write_speos(one)));
     for (const double theta_l : {0.0, 30.0, 80.0})
         for (const double phi : {0.0, 90.0, 180.0})
             for (const double theta_v : {5.0, 40.0, 69.9, 70.1}) {
@@ -127,8 +123,7 @@ TEST(Zemax, ColoursAreTristimulusValues) {
     text = text.substr(0, data) + "\nTristimulusX\n" + block + "TristimulusY\n" + block + "\nTristimulusZ\n" + block;
     text.replace(text.find("Monochrome"), 10, "XYZ");
     text.replace(text.find("PlaneSymmetrical"), 16, "ASymmetrical");
-    const auto measured = read(text);
-    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto measured = checked(read(text));
     const auto& table = *own_table<ScatterTable>(*measured);
     EXPECT_EQ(table.masked, 2u);
     const Vec3f wl = to_float(spherical(60 * k_degree, k_pi));
@@ -137,8 +132,7 @@ TEST(Zemax, ColoursAreTristimulusValues) {
     EXPECT_WITHIN_RELATIVE(scatter_integral(table, table.slices[1], 1), scatter_integral(table, table.slices[1], 2),
                            1e-9);
     const std::string written = write_zemax(table);
-    const auto again = read(written);
-    ASSERT_TRUE(again.ok()) << message(again.error());
+    const auto again = checked(read(written));
     EXPECT_EQ(write_zemax(*own_table<ScatterTable>(*again)), written);
     EXPECT_EQ(own_table<ScatterTable>(*again)->channels, 3u);
     EXPECT_CONTAINS(error_text(read(text.substr(0, text.find("TristimulusZ")))), "TristimulusZ, found the end");
@@ -161,8 +155,7 @@ TEST(Scatter, RotationsAreOfTheFormats) {
         table.first.push_back(std::uint32_t(table.slices.size()));
     }
     const ScatterTable* const one[] = {&table};
-    const auto speos = read(write_speos(one));
-    ASSERT_TRUE(speos.ok()) << message(speos.error());
+    const auto speos = checked(read(write_speos(one)));
     const auto f_at = [](const Measured& measured, double phi_l) {
         return double(value(measured, to_float(spherical(0.5, phi_l * k_degree)), to_float(spherical(0.3, 1.0))).g);
     };
@@ -177,8 +170,7 @@ TEST(Scatter, RotationsAreOfTheFormats) {
             table.slices[k].polar.back() = float(k_pi);
             std::ranges::fill(table.slices[k].f, float(f_of_light_azimuth(double(table.rotation[r]) + k_pi / 2)));
         }
-    const auto zemax = read(write_zemax(table));
-    ASSERT_TRUE(zemax.ok()) << message(zemax.error());
+    const auto zemax = checked(read(write_zemax(table)));
     for (const double phi : {30.0, 75.0, 200.0, 290.0, 350.0})
         EXPECT_WITHIN(f_at(*zemax, phi), f_of_light_azimuth(phi * k_degree), 4e-3) << phi;
     // Rotations up to 90° are also mirrored, together with the viewer.
@@ -216,8 +208,7 @@ TEST(Scatter, WriteReadIdentity) {
             if (!isotropic) table.slices.resize(table.first[2]), table.first.resize(3), table.rotation.resize(2);
             const ScatterTable* const one[] = {&table};
             const std::string text = about_mirror ? write_zemax(table) : write_speos(one);
-            const auto again = read(text);
-            ASSERT_TRUE(again.ok()) << message(again.error());
+            const auto again = checked(read(text));
             const auto& reread = *own_table<ScatterTable>(*again);
             ASSERT_EQ(reread.slices.size(), table.slices.size());
             for (std::size_t s = 0; s < reread.slices.size(); ++s) {
@@ -239,8 +230,7 @@ TEST(Speos, TransmissionIsAPart) {
     for (auto& slice : transmitted.slices)
         for (float& f : slice.f) f *= 0.5f;
     const ScatterTable* const both[] = {&reflected, &transmitted};
-    const auto measured = read(write_speos(both));
-    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto measured = checked(read(write_speos(both)));
     std::mt19937_64 random(3);
     for (int i = 0; i < 100; ++i) {
         const Vec3f wl = to_float(random_direction(random, 0.1)), wv = to_float(random_direction(random, 0.1));
@@ -268,19 +258,16 @@ std::string spectral_speos(const std::vector<std::array<double, 2>>& share_and_p
 
 TEST(Speos, ReadsFilesByWavelength) {
     const Vec3f wl = to_float(spherical(0.5, 0.3)), wv = to_float(spherical(0.7, 2.8));
-    const auto one = read(spectral_speos({{0.3, 30}}, true) + "End of file\n");
-    ASSERT_TRUE(one.ok()) << message(one.error());
+    const auto one = checked(read(spectral_speos({{0.3, 30}}, true) + "End of file\n"));
     EXPECT_EQ(one->format, "Speos");
     EXPECT_WITHIN_RELATIVE(value(*one, wl, wv).g, 0.3 / k_pi, 1e-3);
     EXPECT_WITHIN_RELATIVE(value(*one, wl, to_side(wv, -1)).g, 0.15 / k_pi, 1e-3);
     // Values are relative to each percentage. The end may be missing.
-    const auto relative = read(spectral_speos({{7, 30}}, false));
-    ASSERT_TRUE(relative.ok()) << message(relative.error());
+    const auto relative = checked(read(spectral_speos({{7, 30}}, false)));
     EXPECT_TRUE(is_isotropic(*relative));
     EXPECT_WITHIN_RELATIVE(value(*relative, wl, wv).g, 0.3 / k_pi, 0.01);
     // Blue and red wavelengths give the mean, tinted.
-    const auto two = read(spectral_speos({{0.1, 10}, {0.3, 30}}, false));
-    ASSERT_TRUE(two.ok()) << message(two.error());
+    const auto two = checked(read(spectral_speos({{0.1, 10}, {0.3, 30}}, false)));
     const Rgb f = value(*two, wl, wv);
     EXPECT_GT(f.r, f.g);
     EXPECT_GT(f.g, f.b);
@@ -337,8 +324,7 @@ const std::string k_columns =
 /// and reflectance factors.
 TEST(Columns, AreNamed) {
     const ReadOptions options{"theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,532nm", {}, 0};
-    const auto measured = read(k_columns, options);
-    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto measured = checked(read(k_columns, options));
     EXPECT_TRUE(is_isotropic(*measured));
     ASSERT_EQ(wavelengths(*measured).size(), 1u);
     EXPECT_EQ(wavelengths(*measured)[0], 532);
@@ -347,8 +333,7 @@ TEST(Columns, AreNamed) {
     EXPECT_WITHIN(peak.r, 2, 1e-3);
     EXPECT_TRUE(peak.r == peak.g && peak.g == peak.b);  // a single wavelength has no colour
     EXPECT_WITHIN(value(*measured, wl, wl).g, 1e-4, 1e-6);
-    const auto bounded = read(k_columns, {options.columns, Quantity::factor, 1e-4f});
-    ASSERT_TRUE(bounded.ok());
+    const auto bounded = checked(read(k_columns, {options.columns, Quantity::factor, 1e-4f}));
     EXPECT_EQ(std::get<ScatteredSamples>(bounded->table).masked, 1u);
     EXPECT_WITHIN(value(*bounded, wl, to_float(spherical(30 * k_degree, 0.0))).g, 2 / k_pi, 1e-3);
     EXPECT_NE(error_text(read(k_columns)), "");
@@ -365,8 +350,7 @@ const std::string k_openmaterial =
  [9.05e-07, 0.5, 0.7, 0, null], [1.55e-6, 0.5, 0.5, 0, 0.3], [1.55e-6, 0.5, 0.5, 3.0, 0.4], [1.55e-6, 0.5, 0.7, 0, 0.5]]}})";
 
 TEST(OpenMaterial, RowsAreSpectra) {
-    const auto measured = read(k_openmaterial);
-    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto measured = checked(read(k_openmaterial));
     EXPECT_EQ(measured->format, "OpenMATERIAL");
     const auto& samples = std::get<ScatteredSamples>(measured->table);
     EXPECT_EQ(samples.description, "asphalt");
@@ -377,8 +361,7 @@ TEST(OpenMaterial, RowsAreSpectra) {
     EXPECT_EQ(samples.colour[0].r, samples.colour[0].b);
     EXPECT_EQ(samples.receiver, (std::vector<std::array<float, 2>>{{905, 0.0002f}, {1550, 0.0003f}}));
     const std::string written = write_openmaterial(samples);
-    const auto again = read(written);
-    ASSERT_TRUE(again.ok()) << message(again.error());
+    const auto again = checked(read(written));
     EXPECT_EQ(std::get<ScatteredSamples>(again->table).spectrum, samples.spectrum);
     EXPECT_EQ(std::get<ScatteredSamples>(again->table).receiver, samples.receiver);
     EXPECT_EQ(write_openmaterial(std::get<ScatteredSamples>(again->table)), written);
@@ -404,8 +387,7 @@ TEST(OpenMaterial, NegativeZenithAnglesAreOnTheOtherSideOfThePlane) {
     std::string text = k_openmaterial;
     for (auto position = text.find("0.5, 0.5, 3.0"); position != text.npos; position = text.find("0.5, 0.5, 3.0"))
         text.replace(position, 13, "0.5, -0.5, 0.0");
-    const auto measured = read(text);
-    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto measured = checked(read(text));
     const auto& samples = std::get<ScatteredSamples>(measured->table);
     ASSERT_EQ(samples.wl.size(), 2u);
     for (std::size_t i = 0; i < 2; ++i) {
@@ -437,8 +419,7 @@ const std::string k_bird =
  "uBRDF": {"unit": "%", "values": [1, 1, 1, 1, 2]}}})";
 
 TEST(Bird, PointsAreSamplesOfMeanPolarization) {
-    const auto measured = read(k_bird);
-    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto measured = checked(read(k_bird));
     EXPECT_EQ(measured->format, "BiRD");
     const auto& samples = std::get<ScatteredSamples>(measured->table);
     EXPECT_EQ(samples.description, "spectralon");
@@ -477,8 +458,7 @@ const std::string k_fred =
 
 /// Lines of two numbers are lights. Their mirror direction is at azimuth 0.
 TEST(Fred, LinesAreLightsAndSamples) {
-    const auto measured = read(k_fred);
-    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto measured = checked(read(k_fred));
     EXPECT_EQ(measured->format, "FRED");
     EXPECT_TRUE(is_isotropic(*measured));
     for (const double theta : {10 * k_degree, 30 * k_degree}) {
@@ -494,9 +474,8 @@ TEST(Fred, LinesAreLightsAndSamples) {
 
 /// In the plane of incidence a light has one number and a sample two. Negative angles are on the light's side.
 TEST(Fred, ReadsScansInThePlaneOfIncidence) {
-    const auto measured =
-        read("type bsdf_data\nformat angles=deg bsdf=value scale=1\n15\n-15 0.2\n15 3\n45\n-45 0.1\n0 0.5\n45 4\n");
-    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto measured = checked(
+        read("type bsdf_data\nformat angles=deg bsdf=value scale=1\n15\n-15 0.2\n15 3\n45\n-45 0.1\n0 0.5\n45 4\n"));
     EXPECT_EQ(measured->format, "FRED");
     EXPECT_TRUE(is_isotropic(*measured));
     const auto& samples = std::get<ScatteredSamples>(measured->table);
@@ -506,8 +485,7 @@ TEST(Fred, ReadsScansInThePlaneOfIncidence) {
         EXPECT_WITHIN(value(*measured, wl, mirror(wl)).g, theta < 0.5 ? 3 : 4, 1e-3);
         EXPECT_WITHIN(value(*measured, wl, wl).g, theta < 0.5 ? 0.2 : 0.1, 1e-3);
     }
-    const auto mirrored = read("type bsdf_data\n-45\n45 0.1\n-45 4\n");
-    ASSERT_TRUE(mirrored.ok());
+    const auto mirrored = checked(read("type bsdf_data\n-45\n45 0.1\n-45 4\n"));
     const Vec3f wl = to_float(spherical(45 * k_degree, 1.0));
     EXPECT_WITHIN(value(*mirrored, wl, mirror(wl)).g, 4, 1e-3);
     EXPECT_CONTAINS(error_text(read("type bsdf_data\n15\n-15 0.2 3\n")),

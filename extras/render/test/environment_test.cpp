@@ -68,8 +68,7 @@ TEST(Environment, RadianceFilesAreRead) {
     const Image image = texels(24, 12);
     for (const bool runs : {false, true}) {
         const std::string file = hdr(image, runs);
-        const auto read = read_hdr(as_bytes(file), "a.hdr");
-        ASSERT_TRUE(read.ok()) << message(read.error());
+        const auto read = checked(read_hdr(as_bytes(file), "a.hdr"));
         expect_near(*read, image, 1.0 / 128);
         EXPECT_TRUE(read_environment(as_bytes(file), "a.hdr").ok());
     }
@@ -143,8 +142,7 @@ TEST(Environment, ExrFilesAreWrittenAndReadBack) {
     channels.push_back({"Z", std::vector<float>(13 * 7, 4)});
     ASSERT_TRUE(write_exr(13, 7, channels, folder / "a.exr").ok());
     const auto bytes = read_file(folder / "a.exr");
-    const auto read = read_exr(*bytes, "a.exr");
-    ASSERT_TRUE(read.ok()) << message(read.error());
+    const auto read = checked(read_exr(*bytes, "a.exr"));
     EXPECT_EQ(read->pixels, image.pixels);
 
     for (std::size_t length = 0; length + 1 < bytes->size(); length += length < 400 ? 1 : 7)
@@ -261,8 +259,7 @@ TEST(Environment, BlackIsDetectedAndAConstantIsUniform) {
 }
 
 TEST(Environment, BundledPictureIsPartOfTheProgram) {
-    const auto studio = load_environment("studio");
-    ASSERT_TRUE(studio.ok());
+    const auto studio = checked(load_environment("studio"));
     EXPECT_EQ(studio->texels().width, 512);
     EXPECT_EQ(studio->texels().height, 256);
     EXPECT_EQ(studio->clamped(), 0u);

@@ -110,8 +110,7 @@ Result<Mesh> read(const std::string& text) { return read_mesh(as_bytes(text), "f
 TEST(Ply, HoldsOneMeshInThreeEncodings) {
     const std::vector<Triangle> triangles{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
     for (const std::string name : {"ply/ascii", "ply/little", "ply/big"}) {
-        const auto mesh = read(corpus(name));
-        ASSERT_TRUE(mesh) << message(mesh.error());
+        const auto mesh = checked(read(corpus(name)));
         EXPECT_EQ(mesh->positions, (std::vector<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}})) << name;
         EXPECT_EQ(mesh->triangles.size(), name == "ply/ascii" ? 4u : 3u);
         const float s = -1 / std::sqrt(3.f);
@@ -127,8 +126,7 @@ TEST(Ply, HoldsOneMeshInThreeEncodings) {
 }
 
 TEST(Ply, SkipsUnknownElements) {
-    const auto mesh = read(corpus("ply/others"));
-    ASSERT_TRUE(mesh) << message(mesh.error());
+    const auto mesh = checked(read(corpus("ply/others")));
     EXPECT_EQ(mesh->positions, (std::vector<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
     EXPECT_EQ(mesh->normals, std::vector<Vec3f>(3, Vec3f{0, 0, 1}));
 }
@@ -144,14 +142,12 @@ TEST(Obj, TrianglesInsideOutAreReversed) {
 }
 
 TEST(Obj, TakesAVertexForEachPairOfPositionAndNormal) {
-    const auto mesh = read(corpus("obj/normals"));
-    ASSERT_TRUE(mesh) << message(mesh.error());
+    const auto mesh = checked(read(corpus("obj/normals")));
     EXPECT_EQ(mesh->triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}, {4, 5, 2}}));
     EXPECT_EQ(mesh->positions.size(), 6u);
     EXPECT_EQ(mesh->positions[0], mesh->positions[4]);
     EXPECT_EQ(mesh->normals, std::vector<Vec3f>(6, Vec3f{0, 0, 1}));
-    const auto bare = read(corpus("obj/bare"));
-    ASSERT_TRUE(bare) << message(bare.error());
+    const auto bare = checked(read(corpus("obj/bare")));
     EXPECT_EQ(bare->triangles.size(), 2u);
     EXPECT_EQ(bare->normals[1], (Vec3f{0, 0, 1}));
 }
@@ -299,8 +295,7 @@ TEST(Mesh, ReadsTheScansOfStanford) {
          {Scan{"bunny.ply", 35947, 69451}, {"buddha.obj", 9990, 20000}, {"dragon.ply", 22998, 47794}}) {
         const auto path = shared_data() / "meshes" / scan.file;
         if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;
-        const auto mesh = load_mesh(path);
-        ASSERT_TRUE(mesh) << message(mesh.error());
+        const auto mesh = checked(load_mesh(path));
         check_mesh(mesh);
         EXPECT_EQ(mesh->positions.size(), scan.vertices);
         EXPECT_EQ(mesh->triangles.size(), scan.triangles);

@@ -486,8 +486,7 @@ TEST_F(PathCommand, PicturesAreWritten) {
     EXPECT_TRUE(std::filesystem::exists(folder / "a.png"));
     EXPECT_EQ(render({"-o", "b.png", "--aov"}).status, 2);
     EXPECT_EQ(render({"-o", "a.exr", "--aov", "--lights", "softbox", "--env", "none"}).status, 0);
-    const auto image = read_exr(*read_file(folder / "a.exr"), "a.exr");
-    ASSERT_TRUE(image.ok());
+    const auto image = checked(read_exr(*read_file(folder / "a.exr"), "a.exr"));
     EXPECT_EQ(image->width, 32);
 }
 

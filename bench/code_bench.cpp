@@ -117,7 +117,8 @@ void add_model(const std::string& name, const Model& model, const TemporaryFolde
     static std::vector<PreparedBrdf> prepared;
     prepared.reserve(2), prepared.push_back(prepare(model, ProposeOptions{}));
     const NamedModel named{"m", &model};
-    write_text(folder / "m.h", *shading_code(std::span(&named, 1), "m", {.language = CodeLanguage::c, .sampling = true}));
+    write_text(folder / "m.h",
+               *shading_code(std::span(&named, 1), "m", {.language = CodeLanguage::c, .sampling = true}));
     if (!save_model(model, (folder / "m.srbf").string())) std::abort();
     const std::string bytes = read_text(folder / "m.srbf");
     std::vector<std::pair<std::string, void*>> libraries;

@@ -15,7 +15,7 @@
 #include <string_view>
 #include <vector>
 
-#include "../test/temporary_folder.h"
+#include "../test/support/temporary_folder.h"
 #include "app/commands.h"
 
 namespace srbf {

@@ -6,7 +6,8 @@ function(test_options target level)
   get_property(libraries GLOBAL PROPERTY SRBF_LIBRARIES)  # of extras
   target_link_libraries(${target} PRIVATE srbf::srbf srbf_session ${libraries} srbf_build GTest::gtest Eigen3::Eigen TBB::tbb
                         hwy::hwy nlohmann_json::nlohmann_json fmt::fmt)
-  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/test)
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/test
+                             ${PROJECT_SOURCE_DIR}/test/support)
   target_compile_definitions(${target} PRIVATE SRBF_IS_SANITIZED=$<BOOL:${SRBF_SANITIZE}>)
   target_compile_options(${target} PRIVATE ${level})
   set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE OFF)  # as in main.cpp: both share precompiled headers

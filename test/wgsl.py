@@ -6,7 +6,7 @@ import base64
 import os
 import sys
 
-from chromium import Chromium, program
+from support.chromium import Chromium, program
 
 folder, ratio = sys.argv[1], int(sys.argv[2])
 

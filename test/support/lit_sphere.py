@@ -8,7 +8,7 @@ import subprocess
 
 import numpy as np
 
-from seen import delta_e, displayed, exposure
+from support.visible_error import delta_e, displayed, exposure
 
 SIZE, DISTANCE, HALF_FIELD = 256, 5, math.radians(13)
 TO_LIGHT, IRRADIANCE = np.array([-2, 2, 3]) / math.sqrt(17), 3

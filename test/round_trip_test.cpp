@@ -1,4 +1,4 @@
-// Commands in a chain: each reads every file that another writes.
+// Each command reads every file that another writes; and `srbf eval` takes constant memory and lines of any kind.
 #include <sys/resource.h>
 #include <sys/wait.h>
 
@@ -9,10 +9,10 @@
 #include "srbf/file.h"
 #include "su_models.h"
 
-namespace srbf::chain_test {
+namespace srbf::round_trip_test {
 namespace {
 
-class Chain : public CommandLine {
+class RoundTrip : public CommandLine {
   protected:
     void SetUp() override {
         write_text(folder / "pairs.csv",
@@ -25,7 +25,7 @@ class Chain : public CommandLine {
     TexelMap map_;
 };
 
-TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
+TEST_F(RoundTrip, EveryCommandReadsWhatOthersWrite) {
     std::mt19937_64 random(1);
     BsdfModel two =
         lobe_bsdf_with_beams();  // it has two of four parts, because each file of samples is fitted part by part
@@ -72,7 +72,7 @@ TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
     run_ok(folder, {"render", "pm.srbf", "-o", "y.png", "--size", "8x8", "--spp", "1", "--env", "x.exr"});
 }
 
-TEST_F(Chain, TexelsOfAMapAreNamedByNumberAndPlace) {
+TEST_F(RoundTrip, TexelsOfAMapAreNamedByNumberAndPlace) {
     const ProgramRun whole = run_ok(folder, {"info", "map.srbf"});
     EXPECT_CONTAINS(whole.out, "1 × 2 texels of 2 shared lobes");
     ASSERT_TRUE(save_model(texel(map_, 1), folder / "model.srbf").ok());
@@ -88,7 +88,7 @@ TEST_F(Chain, TexelsOfAMapAreNamedByNumberAndPlace) {
 }
 
 /// A million pairs take the memory of a thousand.
-TEST_F(Chain, EvalTakesConstantMemory) {
+TEST_F(RoundTrip, EvalTakesConstantMemory) {
     const auto memory = [&](std::size_t pairs) {
         {
             std::ofstream csv(folder / "many.csv");
@@ -111,7 +111,7 @@ TEST_F(Chain, EvalTakesConstantMemory) {
     EXPECT_LT(memory(1'000'000), few + (8 << 20));
 }
 
-TEST_F(Chain, EvalReadsLinesOfAnyKind) {
+TEST_F(RoundTrip, EvalReadsLinesOfAnyKind) {
     const std::string header = "name,wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", row = "0,0,1,0,0,1";
     const auto eval = [&](const std::string& csv) {
         write_text(folder / "lines.csv", csv);
@@ -135,4 +135,4 @@ TEST_F(Chain, EvalReadsLinesOfAnyKind) {
 }
 
 }  // namespace
-}  // namespace srbf::chain_test
+}  // namespace srbf::round_trip_test

@@ -282,7 +282,7 @@ TEST_F(Report, KeepsStudiesOfTheSameInputAndOptionsAlone) {
 TEST_F(Report, RefusesInputItCannotUse) {
     const auto refused = [&](Arguments more, int status, const char* named) {
         more.insert(more.begin(), "report");
-        const ProgramRun run = srbf::run(*folder, more);
+        const ProgramRun run = run_srbf(*folder, more);
         EXPECT_EQ(run.status, status) << run.err;
         EXPECT_CONTAINS(run.err, named);
     };

@@ -153,16 +153,16 @@ TEST(FitSu, ScalesWithItsData) {
 
 TEST(FitSu, DiscretisesEitherDirection) {
     const Evaluate f = signed_evaluator(bundled("cc_ibiza_sunset_rgb"));
-    const auto by_view = fit_su(*tabulate(exchanged(f), {.directions = 128}), k_raw);
-    const auto by_light = fit_su(*tabulate(f, {.directions = 128, .discretise = Discretise::light}), k_raw);
-    ASSERT_TRUE(by_view && by_light);
-    EXPECT_EQ(by_light->model.discretise, Discretise::light);
+    const auto view_fit = fit_su(*tabulate(exchanged(f), {.directions = 128}), k_raw);
+    const auto light_fit = fit_su(*tabulate(f, {.directions = 128, .discretise = Discretise::light}), k_raw);
+    ASSERT_TRUE(view_fit && light_fit);
+    EXPECT_EQ(light_fit->model.discretise, Discretise::light);
     std::mt19937_64 random(2);
     for (int i = 0; i < 500; ++i) {
         const Vec3f a = to_float(random_direction(random, 0)), b = to_float(random_direction(random, 0));
-        EXPECT_EQ(value(by_light->model, a, b), value(by_view->model, b, a));
+        EXPECT_EQ(value(light_fit->model, a, b), value(view_fit->model, b, a));
     }
-    EXPECT_LE(matrix_error(evaluator(bundled("cc_ibiza_sunset_rgb")), by_light->model), 0.002);
+    EXPECT_LE(matrix_error(evaluator(bundled("cc_ibiza_sunset_rgb")), light_fit->model), 0.002);
 }
 
 TEST(FitSu, EachObjectiveIsBestInItsOwnMeasure) {
@@ -308,9 +308,9 @@ TEST(Tabulate, SamplesTheFunctionAndCountsInvalidValues) {
                 check(matrix->direction[l], matrix->direction[v], matrix->f[v * 50 + l], true);
             for (std::size_t k = v * 40; k < (v + 1) * 40; ++k) {
                 const auto& between = matrix->between[k];
-                const bool by_view = discretise == Discretise::view;
-                check(by_view ? between.direction : matrix->direction[v],
-                      by_view ? matrix->direction[v] : between.direction, between.f, false);
+                const bool views_are_sampled = discretise == Discretise::view;
+                check(views_are_sampled ? between.direction : matrix->direction[v],
+                      views_are_sampled ? matrix->direction[v] : between.direction, between.f, false);
                 EXPECT_WITHIN_RELATIVE(
                     double(between.pdf),
                     MirrorMixture(k_pi / 2).pdf(to_double(between.direction), to_double(matrix->direction[v])), 0.05);

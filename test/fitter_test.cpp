@@ -166,9 +166,9 @@ TEST(Fitter, EqualsItsStagesCalledSeparately) {
     EXPECT_EQ(write_model(outcome->model), write_model(at_once->model));
     EXPECT_EQ(outcome->errors->heldout.squared_error_ratio, at_once->errors->heldout.squared_error_ratio);
     // The same BRDF as a function has the same fit.
-    const auto of_function = fit(signed_evaluator(measured), request);
-    ASSERT_TRUE(of_function);
-    EXPECT_EQ(std::get<PmModel>(of_function->model.model), std::get<PmModel>(at_once->model.model));
+    const auto function_fit = fit(signed_evaluator(measured), request);
+    ASSERT_TRUE(function_fit);
+    EXPECT_EQ(std::get<PmModel>(function_fit->model.model), std::get<PmModel>(at_once->model.model));
 }
 
 TEST(Fitter, SamplesAreCrossValidated) {
@@ -276,9 +276,9 @@ TEST(Fitter, ReachesItsTargetDeltaE) {
     }
     EXPECT_LT(bytes, 208u);
     // Between samples there is no picture to compare with.
-    const auto of_samples = fit(samples(), pm(AutomaticLobes{2}));
-    ASSERT_FALSE(of_samples);
-    EXPECT_EQ(of_samples.error().code, ErrorCode::argument);
+    const auto samples_fit = fit(samples(), pm(AutomaticLobes{2}));
+    ASSERT_FALSE(samples_fit);
+    EXPECT_EQ(samples_fit.error().code, ErrorCode::argument);
 }
 
 TEST(Fitter, RefusesInvalidRequests) {

@@ -25,14 +25,14 @@ TEST(Flip, SeesFeaturesMoreThanTheirColours) {
     Image point = plain(k_grey, 60, 60), line = point;
     point.at(30, 30) = {1, 1, 1};
     for (int y = 0; y < 60; ++y) line.at(30, y) = {1, 1, 1};
-    const auto of_point = flip_map(plain(k_grey, 60, 60), point), of_line = flip_map(plain(k_grey, 60, 60), line);
+    const auto point_map = flip_map(plain(k_grey, 60, 60), point), line_map = flip_map(plain(k_grey, 60, 60), line);
     const std::size_t middle = 30 * 60 + 30;
-    EXPECT_GT(of_line[middle], of_point[middle]);
-    EXPECT_GT(of_point[middle], 0.05);
-    EXPECT_WITHIN(of_point[0], 0, 1e-9);  // far from it
+    EXPECT_GT(line_map[middle], point_map[middle]);
+    EXPECT_GT(point_map[middle], 0.05);
+    EXPECT_WITHIN(point_map[0], 0, 1e-9);  // far from it
     // From a greater distance a point is less visible.
-    const auto from_afar = flip_map(plain(k_grey, 60, 60), point, 4 * k_pixels_per_degree);
-    EXPECT_LT(from_afar[middle], of_point[middle]);
+    const auto distant_map = flip_map(plain(k_grey, 60, 60), point, 4 * k_pixels_per_degree);
+    EXPECT_LT(distant_map[middle], point_map[middle]);
 }
 
 }  // namespace

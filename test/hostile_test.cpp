@@ -403,11 +403,11 @@ TEST_F(Hostile, NamesAndMetadataAreNotCode) {
             if (is_slow && i > 0) continue;
             SCOPED_TRACE(fmt::format("{} {}: {}", to, i, printable(name)));
             const auto exported = [&](const std::string& file, bool harmless) {
-                TexelMap of_kind = map;
-                of_kind.provenance = metadata(i, harmless);
+                TexelMap named_map = map;
+                named_map.provenance = metadata(i, harmless);
                 const Model model =
-                    is_surface ? Model{OpenPbrModel{}, of_kind.provenance} : Model{pm, of_kind.provenance};
-                write_text(folder / file, as_text(is_map ? write_map(of_kind) : write_model(model)));
+                    is_surface ? Model{OpenPbrModel{}, named_map.provenance} : Model{pm, named_map.provenance};
+                write_text(folder / file, as_text(is_map ? write_map(named_map) : write_model(model)));
                 const bool is_fitted = to == "blender" || to == "osl";
                 const ProgramRun result = run_ok(folder, Arguments{"export", file, "--to", to, "-o", "x"} +
                                                              (is_fitted ? Arguments{"--terms", "1"} : Arguments{}));

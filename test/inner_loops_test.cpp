@@ -122,8 +122,8 @@ TEST_P(InnerLoops, GeneralFeaturesMatchTheKernel) {
         for (std::size_t i = 0; i < k_block && first + i < k_count; ++i) {
             Vec3d wl = widened(observations_.wl[first + i]), wv = widened(observations_.wv[first + i]);
             if (is_exchanged) std::swap(wl, wv);
-            const Vec3d psi = K::psi(wl, wv, a, b), by_angle = K::psi_by_angle(wl, wv, a, b);
-            const double expected[] = {psi.x, psi.y, psi.z - 1, by_angle.x, by_angle.y, by_angle.z};
+            const Vec3d psi = K::psi(wl, wv, a, b), psi_derivative = K::psi_by_angle(wl, wv, a, b);
+            const double expected[] = {psi.x, psi.y, psi.z - 1, psi_derivative.x, psi_derivative.y, psi_derivative.z};
             for (std::size_t k = 0; k < 3; ++k) {
                 EXPECT_WITHIN(s[k * k_block + i], expected[k], 2e-6);
                 EXPECT_WITHIN(derivative[k * k_block + i], expected[3 + k], 4e-6);

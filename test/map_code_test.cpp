@@ -145,7 +145,7 @@ TEST_F(MapCode, LevelsAreMeans) {
         for (std::size_t k = 0; k < texture.levels.size(); level = coarser(level), ++k) {
             const std::size_t texels = level.width * level.height;
             ASSERT_EQ(texture.levels[k].size(), 4 * J * texels);
-            std::vector<double> mean(3 * J), of_finest(3 * J);
+            std::vector<double> mean(3 * J), finest_mean(3 * J);
             for (std::size_t t = 0; t < texels; ++t)
                 for (std::size_t j = 0; j < J; ++j)
                     for (std::size_t c = 0; c < 4; ++c) {
@@ -155,8 +155,8 @@ TEST_F(MapCode, LevelsAreMeans) {
                     }
             for (std::size_t i = 0; i < map.coefficient.size(); ++i)
                 for (std::size_t c = 0; c < 3; ++c)
-                    of_finest[3 * (i % J) + c] += double(map.coefficient[i][int(c)]) / double(map.count());
-            for (std::size_t i = 0; i < 3 * J; ++i) EXPECT_NEAR(mean[i], of_finest[i], 1e-6);
+                    finest_mean[3 * (i % J) + c] += double(map.coefficient[i][int(c)]) / double(map.count());
+            for (std::size_t i = 0; i < 3 * J; ++i) EXPECT_NEAR(mean[i], finest_mean[i], 1e-6);
         }
         EXPECT_EQ(texture.levels.back().size(), 4 * J);  // of one texel
     }
@@ -185,10 +185,10 @@ TEST_F(MapCode, BytesAreNearestFractionsOfTheScale) {
             EXPECT_EQ(at[3], 255);
             for (int c = 0; c < 3; ++c) {
                 const double scale = double(scales[i % J][c]), exact = double(level.coefficient[i][c]);
-                const auto apart = [&](int byte) { return std::abs(scale * srgb_decoded(byte / 255.0) - exact); };
+                const auto difference = [&](int byte) { return std::abs(scale * srgb_decoded(byte / 255.0) - exact); };
                 EXPECT_LE(exact, scale * (1 + 1e-6));
                 for (const int other : {std::max(at[c] - 1, 0), std::min(at[c] + 1, 255)})
-                    EXPECT_LE(apart(at[c]), apart(other) + 1e-6 * scale);
+                    EXPECT_LE(difference(at[c]), difference(other) + 1e-6 * scale);
                 white += at[c] == 255;
             }
         }
@@ -214,18 +214,18 @@ TEST_F(MapCode, BytesHardlyAddToTheErrorOfData) {
             const std::uint8_t byte = texture.levels[0][4 * (i % J * map.count() + i / J) + std::size_t(c)];
             of_bytes.coefficient[i][c] = scales[i % J][c] * float(srgb_decoded(byte / 255.0));
         }
-    double of_halves = 0, of_both = 0;
+    double half_error = 0, both_errors = 0;
     for (std::size_t t = 0; t < map.count(); ++t)
         for (const Pair& at : pairs(64)) {
             const Rgb f = value(texel(map, t), at.wl, at.wv), g = value(texel(of_bytes, t), at.wl, at.wv);
             for (int c = 0; c < 3; ++c) {
                 const float measured = std::cbrt(f[c] * (1 + noise(random)));
-                of_halves += elementary::square(std::cbrt(f[c]) - measured);
-                of_both += elementary::square(std::cbrt(g[c]) - measured);
+                half_error += elementary::square(std::cbrt(f[c]) - measured);
+                both_errors += elementary::square(std::cbrt(g[c]) - measured);
             }
         }
-    EXPECT_GT(of_halves, 0);
-    EXPECT_LT(of_both, 1.1 * of_halves);
+    EXPECT_GT(half_error, 0);
+    EXPECT_LT(both_errors, 1.1 * half_error);
 }
 
 #ifdef SRBF_RASTER

@@ -129,7 +129,7 @@ TEST(Metrics, ErrorsOfSamplesMatchTheFormulas) {
     for (const std::size_t count : {1u, 7u, 1000u}) {
         std::vector<Vec3f> wl, wv;
         std::vector<float> f, g;
-        std::array<double, 6> apart{}, whole{};
+        std::array<double, 6> squared_errors{}, squares{};
         for (std::size_t i = 0; i < count; ++i) {
             wl.push_back(to_float(spherical(1.3 * uniform(random), 1.0)));
             wv.push_back(to_float(spherical(1.3 * uniform(random), 2.0)));
@@ -145,15 +145,15 @@ TEST(Metrics, ErrorsOfSamplesMatchTheFormulas) {
                                        {v, std::sqrt(std::cbrt(a * l)), std::sqrt(std::cbrt(b * l))},
                                        {is_lit ? 1.0 : 0.0, is_lit ? std::log10(a) : 0, is_lit ? std::log10(b) : 0}};
             for (std::size_t k = 0; k < 6; ++k) {
-                apart[k] += seen[k][0] * std::pow(seen[k][1] - seen[k][2], 2);
-                whole[k] += seen[k][0] * (is_root(k) ? 1 : seen[k][1] * seen[k][1]);
+                squared_errors[k] += seen[k][0] * std::pow(seen[k][1] - seen[k][2], 2);
+                squares[k] += seen[k][0] * (is_root(k) ? 1 : seen[k][1] * seen[k][1]);
             }
         }
         const Measures measures = measure_samples(wl, wv, f, g, 80 * k_degree);
         EXPECT_EQ(measures.masked, (count + 5) / 10);
         EXPECT_EQ(measures.pairs + measures.masked, count);
         for (std::size_t k = 0; k < 6; ++k) {
-            const double ratio = apart[k] / whole[k], expected = is_root(k) ? std::sqrt(ratio) : ratio;
+            const double ratio = squared_errors[k] / squares[k], expected = is_root(k) ? std::sqrt(ratio) : ratio;
             // Logarithms from −60 on are rounded to 4e-6; they differ by up to 0.7.
             const double bound = k_measures[k].member == &Measures::log10_rms ? 1e-4 : 2e-6;
             EXPECT_WITHIN_RELATIVE(measures.*k_measures[k].member, expected, bound) << count << " " << k;

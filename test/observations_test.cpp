@@ -172,9 +172,9 @@ TEST(Observations, ViewsOfPicturesAreExposedAndWithinTheCap) {
     }
     EXPECT_TRUE(any_masked);
     ASSERT_GT(largest.size(), 8u);
-    for (auto& [lighting, of_pixels] : largest) {
-        std::ranges::sort(of_pixels);
-        EXPECT_WITHIN(of_pixels[std::size_t(0.9 * double(of_pixels.size() - 1))], k_exposed_value, 1e-3) << lighting;
+    for (auto& [lighting, values] : largest) {
+        std::ranges::sort(values);
+        EXPECT_WITHIN(values[std::size_t(0.9 * double(values.size() - 1))], k_exposed_value, 1e-3) << lighting;
     }
 }
 

@@ -85,10 +85,10 @@ TEST(Pixels, ErrorsAreThoseOfEachPixel) {
     }
     one.pixels = Pixels(one.reference);
     ASSERT_EQ(one.pixels.count(), one.reference.size());
-    double of_blocks = 0;
+    double block_sum = 0;
     PixelSlopes slopes;
-    for (std::size_t block = 0; block < one.pixels.blocks(); ++block) of_blocks += one.error(slopes, block);
-    EXPECT_WITHIN_RELATIVE(of_blocks, sum, 1e-5);
+    for (std::size_t block = 0; block < one.pixels.blocks(); ++block) block_sum += one.error(slopes, block);
+    EXPECT_WITHIN_RELATIVE(block_sum, sum, 1e-5);
 }
 
 TEST(Pixels, SlopeIsThatOfTheError) {

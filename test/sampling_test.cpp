@@ -465,11 +465,11 @@ TEST_F(Sampling, BlackIsSampledByTheCosine) {
     for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) EXPECT_EQ(proposal.weight(node)[0], 1);
     SuModel su = isotropic_su(16);
     std::fill(su.coefficient.begin(), su.coefficient.end(), Rgb{});
-    const ViewProposal by_view = propose(su);
+    const ViewProposal view_proposal = propose(su);
     for (int i = 0; i < 100; ++i) {
-        const Vec3f wv = to_float(random_direction(random, 0.02)), wl = sample(by_view, wv, draw3());
-        EXPECT_GE(pdf(by_view, wl, wv), 0.98f * wl.z / float(k_pi));
-        EXPECT_EQ(sample(su, by_view, wv, draw3()).weight, Rgb{});
+        const Vec3f wv = to_float(random_direction(random, 0.02)), wl = sample(view_proposal, wv, draw3());
+        EXPECT_GE(pdf(view_proposal, wl, wv), 0.98f * wl.z / float(k_pi));
+        EXPECT_EQ(sample(su, view_proposal, wv, draw3()).weight, Rgb{});
     }
 }
 

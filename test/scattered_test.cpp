@@ -623,7 +623,7 @@ ScatteredSamples samples_of(const std::function<Rgb(Vec3d, Vec3d)>& f, int count
 }
 
 /// One of several files, with the angle of the light in its header as goniophotometers of pab have it.
-Measured of_incidence(int theta, std::string_view angles, std::string_view value = "BSDF") {
+Measured scan_at(int theta, std::string_view angles, std::string_view value = "BSDF") {
     std::string text = fmt::format("#sample_name \"paint\"\n#date 2026-11-{} 10:30\n", theta);
     text += fmt::format(fmt::runtime(angles), theta) + fmt::format("\n#format: theta phi {}\n", value);
     for (int i = 0; i < 6; ++i) text += fmt::format("{} {} 0.{}{}\n", 12 * i, 60 * i, theta, i);
@@ -633,8 +633,7 @@ Measured of_incidence(int theta, std::string_view angles, std::string_view value
 TEST(Joined, HasTheSamplesOfAllFilesAndTheAnglesOfTheirHeaders) {
     for (const char* angles :
          {"#intheta {}\n#inphi 30", "#incident_angle\t{}\t30", "# Incidence (deg) = {}\n# phi_i: 30°"}) {
-        const auto all =
-            checked(joined(std::array{of_incidence(10, angles), of_incidence(30, angles), of_incidence(50, angles)}));
+        const auto all = checked(joined(std::array{scan_at(10, angles), scan_at(30, angles), scan_at(50, angles)}));
         EXPECT_EQ(all->source, "10.txt, 30.txt, 50.txt");
         const auto& s = std::get<ScatteredSamples>(all->table);
         EXPECT_CONTAINS(s.notes[0],
@@ -653,10 +652,9 @@ TEST(Joined, HasTheSamplesOfAllFilesAndTheAnglesOfTheirHeaders) {
 }
 
 TEST(Joined, RefusesFilesOfDifferentSamples) {
-    const Measured first = of_incidence(10, "#intheta {}"), table{"d/m.binary", "MERL", 0, MerlTable{}};
-    for (const Measured& other :
-         {of_incidence(30, "#intheta {}", "BTDF"), of_incidence(30, "#intheta {}", "DSF"),
-          of_incidence(30, "#intheta {}", "BRF(%)"), of_incidence(30, "#intheta {}", "532nm"), table})
+    const Measured first = scan_at(10, "#intheta {}"), table{"d/m.binary", "MERL", 0, MerlTable{}};
+    for (const Measured& other : {scan_at(30, "#intheta {}", "BTDF"), scan_at(30, "#intheta {}", "DSF"),
+                                  scan_at(30, "#intheta {}", "BRF(%)"), scan_at(30, "#intheta {}", "532nm"), table})
         for (const auto& files : {std::array{first, other}, std::array{other, first}}) {
             const std::string said = message(joined(files).error());
             EXPECT_CONTAINS(said, "one sample: expected ");

@@ -68,12 +68,13 @@ TYPED_TEST(VmfOf, WarpIsContinuousAcrossItsSeries) {
     for (int i = 0; i < 2000; ++i) {
         const double u1 = this->draw(), u2 = this->draw();
         const Vec3d centre = random_direction(this->random);
-        const Vec3d apart = this->sample(centre, double(at), u1, u2) - this->sample(centre, double(before), u1, u2);
+        const Vec3d difference =
+            this->sample(centre, double(at), u1, u2) - this->sample(centre, double(before), u1, u2);
         // Near the poles the sine grows as the root of the cosine's difference.
         const double cosine = dot(this->sample(centre, double(at), u1, u2), centre);
         const double steepness = std::max(1.0, std::abs(cosine) / std::sqrt(std::max(1 - cosine * cosine, 1e-6)));
-        EXPECT_LE(std::sqrt(dot(apart, apart)) / steepness, tolerance);
-        largest = std::max(largest, std::sqrt(dot(apart, apart)));
+        EXPECT_LE(std::sqrt(dot(difference, difference)) / steepness, tolerance);
+        largest = std::max(largest, std::sqrt(dot(difference, difference)));
     }
     EXPECT_GT(largest, 0);  // both forms are in use
 }

@@ -110,15 +110,15 @@ def lost(reference, surface, host):
     return delta_e(surface, reference), delta_e(host, reference), delta_e(host, surface)
 
 
-def draws_brushed(host, apart):
+def draws_brushed(host, difference):
     """Prints ΔE_ITP between a host's picture of the brushed surface and ours, and returns whether it is as small as expected."""
-    print(f"{'ok  ' if apart <= BRUSHED_WITHIN else 'BAD '} brushed metal: {host} against ours {apart:.2f}", flush=True)
-    return apart <= BRUSHED_WITHIN
+    print(f"{'ok  ' if difference <= BRUSHED_WITHIN else 'BAD '} brushed metal: {host} against ours {difference:.2f}", flush=True)
+    return difference <= BRUSHED_WITHIN
 
 
 def holds(name, host, losses, own_formulas):
     """Prints the errors of surface and host, and returns whether they are as small as expected or have a known reason."""
-    ours, of_host, apart = losses
-    near = name in own_formulas or abs(of_host / ours - 1) <= HOST_WITHIN
-    print(f"{'ok  ' if near else 'BAD '} {name}: against the measurement ours {ours:.2f}, {host} {of_host:.2f}; {host} against ours {apart:.2f}", flush=True)
+    ours, host_error, difference = losses
+    near = name in own_formulas or abs(host_error / ours - 1) <= HOST_WITHIN
+    print(f"{'ok  ' if near else 'BAD '} {name}: against the measurement ours {ours:.2f}, {host} {host_error:.2f}; {host} against ours {difference:.2f}", flush=True)
     return near

@@ -41,7 +41,7 @@ TEST_F(EnvironmentCode, DrawsAreOfTheEnvironment) {
     for (int i = 0; i < k_views; ++i) {
         const Vec3f wv = to_float(random_direction(random, 0.1));
         const Quadrature points = MirrorMixture(k_pi / 2).quadrature(to_double(wv), 1 << 13);
-        Rgb expected, found, of_many;
+        Rgb expected, found, found_by_many;
         for (std::size_t k = 0; k < points.w.size(); ++k) {
             const Vec3f wl = points.w[k];
             const Rgb f = value(brdf, wl, wv);
@@ -49,13 +49,13 @@ TEST_F(EnvironmentCode, DrawsAreOfTheEnvironment) {
             expected.r += weight * f.r * (1 + wl.x), expected.g += weight * f.g * (1 + wl.z),
                 expected.b += weight * f.b;
         }
-        answer(&wv.x, 64, &found.r), answer(&wv.x, 4096, &of_many.r);
+        answer(&wv.x, 64, &found.r), answer(&wv.x, 4096, &found_by_many.r);
         for (int c = 0; c < 2; ++c) {
             const double error = double(found[c]) / double(expected[c]) - 1;
             EXPECT_LT(std::abs(error), 0.12) << wv.z;
             squares += elementary::square(error);
         }
-        for (int c = 0; c < 3; ++c) EXPECT_NEAR(of_many[c], expected[c], 0.01f * expected[c]) << wv.z;
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(found_by_many[c], expected[c], 0.01f * expected[c]) << wv.z;
     }
     EXPECT_LT(std::sqrt(squares / (2 * k_views)), 0.03);
 }

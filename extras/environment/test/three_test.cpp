@@ -56,8 +56,8 @@ double psnr(const std::string& rgba, const Image8& picture, const std::vector<fl
     double squares = 0, count = 0;
     for (std::size_t i = 0; i < picture.pixels.size() && rgba.size() == 4 * picture.pixels.size(); ++i)
         for (std::size_t c = 0; c < 3 && coverage[i] >= 1; ++c, ++count) {
-            const double apart = double(std::uint8_t(rgba[4 * i + c])) - double(picture.pixels[i][c]);
-            squares += apart * apart;
+            const double difference = double(std::uint8_t(rgba[4 * i + c])) - double(picture.pixels[i][c]);
+            squares += difference * difference;
         }
     return count > 0 ? 10 * std::log10(255 * 255 * count / std::max(squares, 1e-3)) : 0;
 }
@@ -153,9 +153,9 @@ TEST(Three, DrawsThePictureOfTheDesktop) {
     EXPECT_EQ(result["problems"], Json::array());
     EXPECT_GT(result["colours"], 100);
     EXPECT_GE(result["psnr"], 45);
-    for (const auto& [what, apart] : result["blend"]["worst"].items()) {
-        ASSERT_TRUE(apart.is_number()) << what;  // NaN is null
-        EXPECT_LT(apart.get<double>(), 1e-3) << what;
+    for (const auto& [what, difference] : result["blend"]["worst"].items()) {
+        ASSERT_TRUE(difference.is_number()) << what;  // NaN is null
+        EXPECT_LT(difference.get<double>(), 1e-3) << what;
     }
     EXPECT_EQ(result["blend"]["chosen"], 2);  // both materials of a mask are seen
     EXPECT_EQ(result["blend"]["compiled"], 0);
@@ -311,8 +311,8 @@ void expect_filtered(const std::vector<Float4>& pixels, const MapScene& scene, c
     ASSERT_EQ(pixels.size(), std::size_t(scene.size * scene.size));
     // Between two levels renderers take the logarithm only approximately: Mesa 1.389 instead of 1.415.
     Differences found = differences(pixels, scene, filtered, scene.lod);
-    for (double apart = -0.04; apart < 0.04 && scene.lod != std::floor(scene.lod); apart += 0.004)
-        if (const Differences at = differences(pixels, scene, filtered, scene.lod + apart); at.most < found.most)
+    for (double offset = -0.04; offset < 0.04 && scene.lod != std::floor(scene.lod); offset += 0.004)
+        if (const Differences at = differences(pixels, scene, filtered, scene.lod + offset); at.most < found.most)
             found = at;
     EXPECT_GT(found.largest, 0.01);
     EXPECT_LT(found.delta_e, 1);
@@ -372,12 +372,12 @@ TEST(Three, ShowsAMapAsItsTexels) {
     }
     for (std::size_t i = k_first_constant; i < scenes.size(); i += 2) {
         const auto of_map = drawn(i), single = drawn(i + 1);
-        double sum = 0, apart = 0;
+        double sum = 0, difference = 0;
         for (std::size_t k = 0; k < single.size(); ++k)
             for (std::size_t c = 0; c < 3; ++c)
-                sum += double(single[k][c]), apart += std::abs(double(of_map[k][c]) - double(single[k][c]));
+                sum += double(single[k][c]), difference += std::abs(double(of_map[k][c]) - double(single[k][c]));
         EXPECT_GT(sum, 0);
-        EXPECT_LT(apart, (i == k_first_constant ? 1e-4 : 0.02) * sum)
+        EXPECT_LT(difference, (i == k_first_constant ? 1e-4 : 0.02) * sum)
             << i;  // weights of environments are nearly the same
     }
 }

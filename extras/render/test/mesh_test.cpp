@@ -35,11 +35,11 @@ double volume(const Mesh& mesh) {
 
 /// The largest angle between a vertex' normal and that of its triangles.
 double normals_off(const Mesh& mesh) {
-    const auto of_triangles = area_weighted_normals(mesh.positions, mesh.triangles);
+    const auto triangle_normals = area_weighted_normals(mesh.positions, mesh.triangles);
     double most = 0;
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-        const Vec3d apart = to_double(of_triangles[i]) - to_double(mesh.normals[i]);
-        most = std::max(most, std::sqrt(dot(apart, apart)));
+        const Vec3d difference = to_double(triangle_normals[i]) - to_double(mesh.normals[i]);
+        most = std::max(most, std::sqrt(dot(difference, difference)));
     }
     return most;
 }
@@ -196,8 +196,8 @@ TEST(Mesh, FilesHavePlacesInAMap) {
     const auto turned = read(
         "v 5 5 5\nv 6 5 5\nv 5 6 5\nv 5 5 6\nvt 0 1\nvt 1 1\nvt 1 0\n"
         "f 1/1 2/2 3/3\nf 1/1 4/2 2/3\nf 1/1 3/2 4/3\nf 2/1 4/2 3/3\n");
-    const Corners of_each{{{0, 0}, {1, 1}, {1, 0}}};
-    expect(turned, {of_each, of_each, of_each, of_each});
+    const Corners corner_places{{{0, 0}, {1, 1}, {1, 0}}};
+    expect(turned, {corner_places, corner_places, corner_places, corner_places});
 }
 
 /// The error of a file with `part` replaced by `by`.

@@ -45,7 +45,7 @@ Page all_kinds() {
     static const PmModel lobes =
         rounded(fit_pm(*observe(signed_evaluator(film), {}), {.lobes = 4, .variates = 3, .starts = 2})->model);
     const PmModel general = random_model(random, {.axial = false, .lobes = 4, .most_bandwidth = 60});
-    SuModel by_view = isotropic_su(256), plain = by_view, parabolic = by_view;
+    SuModel sampled_views = isotropic_su(256), plain = sampled_views, parabolic = sampled_views;
     plain.interpolation = parabolic.interpolation = SuInterpolation::plain;
     parabolic.index = index_texture(parabolic, DirectionMap::parabolic, 64);
     plain.index = index_texture(plain, DirectionMap::cube, 32);
@@ -55,7 +55,7 @@ Page all_kinds() {
     page.title = "<every> kind";
     page.generator = "test";
     for (const Material& material :
-         std::initializer_list<Material>{table, lobes, general, by_view, plain, parabolic, ggx, ggx_bsdf()}) {
+         std::initializer_list<Material>{table, lobes, general, sampled_views, plain, parabolic, ggx, ggx_bsdf()}) {
         const auto i = page.materials.size();
         page.materials.push_back({fmt::format("m{} & <b>", i), "as long a kind as some materials have, 658,952 bytes",
                                   material, is_two_sided(material) ? evaluator(bsdf) : evaluator(ggx), false,
@@ -231,9 +231,9 @@ TEST(Slices, LobesReachAsFarAsTheyAreBright) {
 TEST(Slices, BothSidesAreDrawnAroundTheCircle) {
     // 10 is reflected at the front, 5 at the back, 0.1 transmitted to the back and 1 to the front.
     const Evaluate f = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) {
-        constexpr float of_part[] = {10, 5, 0.1f, 1};
+        constexpr float part_values[] = {10, 5, 0.1f, 1};
         for (std::size_t i = 0; i < out.size(); ++i) {
-            const float value = of_part[std::size_t(to_part_frame(wl[i], wv[i])->part)];
+            const float value = part_values[std::size_t(to_part_frame(wl[i], wv[i])->part)];
             out[i] = {value, value, value};
         }
     };
@@ -313,14 +313,14 @@ double psnr(const std::string& rgba, const Image8& other) {
     double squares = 0, seen = 0;
     const Rgb8 background = other.pixels[0];
     for (std::size_t i = 0; i < other.pixels.size(); ++i) {
-        double apart = 0;
+        double squared_difference = 0;
         bool covered = false;
         for (std::size_t c = 0; c < 3; ++c) {
             const auto pixel = std::uint8_t(rgba[4 * i + c]);
-            apart += std::pow(double(pixel) - double(other.pixels[i][c]), 2);
+            squared_difference += std::pow(double(pixel) - double(other.pixels[i][c]), 2);
             covered = covered || pixel != background[c] || other.pixels[i][c] != background[c];
         }
-        if (covered) squares += apart, seen += 3;
+        if (covered) squares += squared_difference, seen += 3;
     }
     EXPECT_GT(seen, 0.1 * 3 * double(other.pixels.size()));
     return 10 * std::log10(255 * 255 * seen / std::max(squares, 1e-9));
@@ -459,23 +459,23 @@ StepPictures compared_pictures(const Page& page, const Json& pictures, const Tem
 
 /// Expects what a step changes and what it keeps.
 void expect_changes(StepPictures& steps) {
-    auto& [of_first, pixels, count] = steps;
-    EXPECT_EQ(of_first["one"]["material"], 1);
-    EXPECT_EQ(of_first["other"]["material"], 0);
-    EXPECT_EQ(of_first["lit"]["scene"], of_first["other"]["scene"]);
+    auto& [states, pixels, count] = steps;
+    EXPECT_EQ(states["one"]["material"], 1);
+    EXPECT_EQ(states["other"]["material"], 0);
+    EXPECT_EQ(states["lit"]["scene"], states["other"]["scene"]);
     EXPECT_TRUE(pixels["lit"] != pixels["other"]);
-    EXPECT_NE(of_first["one"]["scene"]["eye"], of_first["turned"]["scene"]["eye"]);
-    EXPECT_EQ(of_first["one"]["scene"]["directions"], of_first["turned"]["scene"]["directions"]);
-    EXPECT_EQ(of_first["turned"]["scene"]["eye"], of_first["lit"]["scene"]["eye"]);
+    EXPECT_NE(states["one"]["scene"]["eye"], states["turned"]["scene"]["eye"]);
+    EXPECT_EQ(states["one"]["scene"]["directions"], states["turned"]["scene"]["directions"]);
+    EXPECT_EQ(states["turned"]["scene"]["eye"], states["lit"]["scene"]["eye"]);
     EXPECT_TRUE(pixels["turned"] != pixels["lit"]);
-    EXPECT_GT(middle_of_highlights(pixels["lit"], of_first["lit"]["width"]),
-              middle_of_highlights(pixels["turned"], of_first["lit"]["width"]) + 5);
-    EXPECT_EQ(of_first["opened"]["scene"]["mesh"], "own");
-    EXPECT_EQ(of_first["knot"]["scene"]["mesh"], "knot");
-    EXPECT_EQ(of_first["knot"]["scene"]["irradiances"], Json({3, 3, 3, 0, 0, 0, 0, 0, 0}));
+    EXPECT_GT(middle_of_highlights(pixels["lit"], states["lit"]["width"]),
+              middle_of_highlights(pixels["turned"], states["lit"]["width"]) + 5);
+    EXPECT_EQ(states["opened"]["scene"]["mesh"], "own");
+    EXPECT_EQ(states["knot"]["scene"]["mesh"], "knot");
+    EXPECT_EQ(states["knot"]["scene"]["irradiances"], Json({3, 3, 3, 0, 0, 0, 0, 0, 0}));
     EXPECT_TRUE(pixels["again"] == pixels["opened"]);
     EXPECT_EQ(count["phone"], 2);  // one over the other
-    EXPECT_NE(of_first["phone one"]["scene"]["eye"], of_first["swiped"]["scene"]["eye"]);
+    EXPECT_NE(states["phone one"]["scene"]["eye"], states["swiped"]["scene"]["eye"]);
 }
 
 /// The light behind the object is beyond the plane through its middle, and is seen through it.

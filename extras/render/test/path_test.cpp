@@ -265,9 +265,9 @@ TEST_F(Path, AMapShowsEachOfItsTexels) {
         const Rgb f = render_paths(scene, small(1, 1)).rendering.radiance.pixels[0];
         return std::array<double, 2>{double(f.r), double(f.g)};
     };
-    const auto expect = [&](double x, double y, double of_red) {
-        EXPECT_WITHIN(at(x, y)[0], 0.2 * of_red, 1e-5) << x << ' ' << y;
-        EXPECT_WITHIN(at(x, y)[1], 0.2 * (1 - of_red), 1e-5) << x << ' ' << y;
+    const auto expect = [&](double x, double y, double red_share) {
+        EXPECT_WITHIN(at(x, y)[0], 0.2 * red_share, 1e-5) << x << ' ' << y;
+        EXPECT_WITHIN(at(x, y)[1], 0.2 * (1 - red_share), 1e-5) << x << ' ' << y;
     };
     expect(-5, 5, 1);  // the middles of texels
     expect(5, 5, 0);

@@ -29,22 +29,22 @@ constexpr int k_width = 160, k_height = 120;
 
 /// f_r as the texts that the shader is made of have it, on the CPU.
 Rgb rgb(Vec3f f) { return {f.x, f.y, f.z}; }
-Rgb by_text(const GgxModel& model, Vec3f wl, Vec3f wv) { return value(model, wl, wv); }
-Rgb by_text(const OpenPbrModel& model, Vec3f wl, Vec3f wv) { return value(model, wl, wv); }
-Rgb by_text(const PmModel& model, Vec3f wl, Vec3f wv) { return rgb(Kernel<float>::pm_value(model, wl, wv)); }
-Rgb by_text(const SuModel& model, Vec3f wl, Vec3f wv) {
-    const bool by_view = model.discretise == Discretise::view;
-    const Vec3f of_lobes = by_view ? wl : wv, sampled = by_view ? wv : wl;
+Rgb text_value(const GgxModel& model, Vec3f wl, Vec3f wv) { return value(model, wl, wv); }
+Rgb text_value(const OpenPbrModel& model, Vec3f wl, Vec3f wv) { return value(model, wl, wv); }
+Rgb text_value(const PmModel& model, Vec3f wl, Vec3f wv) { return rgb(Kernel<float>::pm_value(model, wl, wv)); }
+Rgb text_value(const SuModel& model, Vec3f wl, Vec3f wv) {
+    const bool views_are_sampled = model.discretise == Discretise::view;
+    const Vec3f lobe_direction = views_are_sampled ? wl : wv, sampled = views_are_sampled ? wv : wl;
     if (model.interpolation == SuInterpolation::rotated)
-        return rgb(Kernel<float>::su_rotated_value(model, of_lobes, sampled));
+        return rgb(Kernel<float>::su_rotated_value(model, lobe_direction, sampled));
     const IndexTexture& index = *model.index;
     const NearestViews& nearest = index.texels[texel_of(index.map, index.size, sampled)];
-    return rgb(Kernel<float>::su_plain_value(model, nearest, of_lobes, sampled, model.neighbours));
+    return rgb(Kernel<float>::su_plain_value(model, nearest, lobe_direction, sampled, model.neighbours));
 }
-Rgb by_text(const MerlTable& table, Vec3f wl, Vec3f wv) { return value(table, wl, wv); }
-Rgb by_text(const BsdfModel& model, Vec3f wl, Vec3f wv) { return value(model, wl, wv); }
-Rgb by_text(const BsdfTables& tables, Vec3f wl, Vec3f wv) { return value(tables.part, wl, wv); }
-Rgb by_text(const Flat&, Vec3f, Vec3f) { return {Flat::k_value, Flat::k_value, Flat::k_value}; }
+Rgb text_value(const MerlTable& table, Vec3f wl, Vec3f wv) { return value(table, wl, wv); }
+Rgb text_value(const BsdfModel& model, Vec3f wl, Vec3f wv) { return value(model, wl, wv); }
+Rgb text_value(const BsdfTables& tables, Vec3f wl, Vec3f wv) { return value(tables.part, wl, wv); }
+Rgb text_value(const Flat&, Vec3f, Vec3f) { return {Flat::k_value, Flat::k_value, Flat::k_value}; }
 
 /// The scene's positions and normals, a pixel each, as the library interpolates them.
 struct Pixels {
@@ -100,7 +100,7 @@ class Raster : public OpenGLTest {
             for (const DirectionalLight& light : scene.lights) {
                 const Vec3f wl = Text::to_surface(frame, to_float(light.towards));
                 if (!(wl.z > 0)) continue;
-                const Rgb f = by_text(brdf, wl, wv);
+                const Rgb f = text_value(brdf, wl, wv);
                 for (int c = 0; c < 3; ++c) sum[c] += wl.z * f[c] * light.irradiance[c];
             }
         }
@@ -120,8 +120,8 @@ class Raster : public OpenGLTest {
             if (surface.positions[i][3] == 0) continue;
             const Rgb8 pixel = to_srgb8(expected.pixels[i], exposure);
             for (std::size_t c = 0; c < 3; ++c, ++count) {
-                const double apart = double(pixel[c]) - double(picture.pixels[i][c]);
-                squares += apart * apart;
+                const double difference = double(pixel[c]) - double(picture.pixels[i][c]);
+                squares += difference * difference;
             }
         }
         EXPECT_GT(count, 0.1 * k_width * k_height);
@@ -356,12 +356,12 @@ TEST(Rasterize, BothSidesAreLitFromBothSides) {
     for (Scene* scene : {&outside, &inside})
         for (const bool behind : {false, true}) {
             if (behind) scene->lights = {light_behind(scene->camera)};
-            const Rendering of_ggx = traced(*scene, by_ggx), of_lobes = traced(*scene, by_lobes);
-            EXPECT_GE(psnr_to(of_ggx, *scene, ggx_bsdf()), 42) << behind;
-            EXPECT_GE(psnr_to(of_lobes, *scene, lobes), 40) << behind;
-            EXPECT_GE(psnr_to(of_ggx, *scene, tables), 40) << behind;
+            const Rendering ggx_picture = traced(*scene, by_ggx), lobes_picture = traced(*scene, by_lobes);
+            EXPECT_GE(psnr_to(ggx_picture, *scene, ggx_bsdf()), 42) << behind;
+            EXPECT_GE(psnr_to(lobes_picture, *scene, lobes), 40) << behind;
+            EXPECT_GE(psnr_to(ggx_picture, *scene, tables), 40) << behind;
             // Another model is told apart.
-            EXPECT_LT(psnr_to(of_ggx, *scene, lobes), 30) << behind;
+            EXPECT_LT(psnr_to(ggx_picture, *scene, lobes), 30) << behind;
         }
 }
 

@@ -397,8 +397,7 @@ TEST(Formats, OtherEncodingsAndFilesAreRecognised) {
 /// A function of both polar angles and the azimuth between viewer and light, written as a table in a text format.
 struct WrittenTable {
     std::string header, separator = ",", decimal = ".";
-    std::string (*row)(double, double,
-                       double) = nullptr;  // of θ_l, θ_v and the viewer's azimuth relative to the light [degrees]
+    std::string angles;  ///< their format in a row, with the names below
     Quantity quantity = Quantity::bsdf;
     double unit = 1;
 
@@ -406,6 +405,16 @@ struct WrittenTable {
         const Vec3d wl = spherical(theta_l * k_degree, 0.0), wv = spherical(theta_v * k_degree, phi * k_degree);
         const Vec3d h = normalize(wl + wv);
         return 0.2 + 2 * std::pow(h.z, 40);
+    }
+    /// The angles of a sample: θ_l, θ_v, and the viewer's azimuth relative to the light [degrees].
+    std::string row(double l, double v, double phi) const {
+        const double detector = phi == 180 ? v : -v,  // positive on the mirror's side of the plane of incidence
+            phase = std::acos(dot(spherical(l * k_degree, 0.0), spherical(v * k_degree, phi * k_degree))) / k_degree;
+        return fmt::format(fmt::runtime(angles), fmt::arg("l", l), fmt::arg("v", v), fmt::arg("phi", phi),
+                           fmt::arg("l_rad", l * k_degree), fmt::arg("v_rad", v * k_degree),
+                           fmt::arg("phi_rad", phi * k_degree), fmt::arg("from_mirror", phi - 180),
+                           fmt::arg("opposite", phi + 180), fmt::arg("detector", detector),
+                           fmt::arg("aspecular", l - detector), fmt::arg("phase", phase));
     }
     std::string text(bool in_plane) const {
         std::string content = header + "\n";
@@ -441,38 +450,7 @@ void expect_written(const ScatteredSamples& samples, const std::string& header) 
 
 /// The same function is read from names, units, separators and azimuths as instruments and spreadsheets write them.
 TEST(Csv, ReadsCommonLayouts) {
-    // Each function writes the angles of a sample as a row of a layout.
-    const auto degrees = [](double l, double v, double phi) { return fmt::format("{} 0 {} {}", l, v, phi); };
-    const auto radians = [](double l, double v, double phi) {
-        return fmt::format("{:.6f} 0 {:.6f} {:.6f}", l * k_degree, v * k_degree, phi * k_degree);
-    };
-    const auto azimuth_from_mirror = [](double l, double v, double phi) {
-        return fmt::format("{} {} {}", l, v, phi - 180);
-    };
-    const auto relative_azimuth = [](double l, double v, double phi) { return fmt::format("{} {} {}", l, v, phi); };
-    const auto signed_detector = [](double l, double v, double phi) {
-        return fmt::format("{} {}", l, phi == 180 ? v : -v);
-    };
-    const auto signed_light = [](double l, double v, double phi) {
-        return fmt::format("{} {}", -l, phi == 180 ? v : -v);
-    };
-    const auto light_at_180 = [](double l, double v, double phi) {
-        return fmt::format("{} 180 {} {}", l, v, 180 + phi);
-    };
-    const auto with_radiance = [](double l, double v, double phi) { return fmt::format("{} 0 {} {} 7", l, v, phi); };
-    const auto with_stage = [](double l, double v, double phi) {
-        return fmt::format("{} 0 {} {} 12.5 3 0", l, v, phi);
-    };
-    const auto with_polarizations = [](double l, double v, double phi) {
-        return fmt::format("{} 0 {} {} 0", l, v, phi);
-    };
-    const auto phase_angle = [](double l, double v, double phi) {
-        const double g = std::acos(dot(spherical(l * k_degree, 0.0), spherical(v * k_degree, phi * k_degree)));
-        return fmt::format("{} {} {:.6f}", l, v, g / k_degree);
-    };
-    const auto aspecular_angle = [](double l, double v, double phi) {
-        return fmt::format("{} {}", l, phi == 180 ? l - v : l + v);
-    };
+    const std::string degrees = "{l} 0 {v} {phi}", radians = "{l_rad:.6f} 0 {v_rad:.6f} {phi_rad:.6f}";
     constexpr Quantity factor = Quantity::factor, bsdf = Quantity::bsdf;
     struct Case {
         WrittenTable table;
@@ -490,18 +468,18 @@ TEST(Csv, ReadsCommonLayouts) {
         {{"Theta_i [rad],Phi_i [rad],Theta_s [rad],Phi_s [rad],BRDF [1/sr]", ",", ".", radians}, "viewer: Theta_s"},
         {{"theta_i,phi_i,theta_r,phi_r,f_r", ",", ".", radians}, "angles are in radians"},
         {{"θi (°),φi (°),θr (°),φr (°),BRDF (sr^-1)", ",", ".", degrees}, "light: θi"},
-        {{"incident_zenith,incident_azimuth,view_zenith,view_azimuth,L_o,brdf", ",", ".", with_radiance},
+        {{"incident_zenith,incident_azimuth,view_zenith,view_azimuth,L_o,brdf", ",", ".", "{l} 0 {v} {phi} 7"},
          "not read: L_o"},
-        {{"phi_i,theta_i,phi_o,theta_o,brdf", ",", ".", light_at_180}, "phi_i and phi_o are polar angles"},
-        {{"theta_l_deg,theta_v_deg,dphi_deg,value", ",", ".", relative_azimuth}, "viewer: theta_v_deg, dphi_deg"},
-        {{"theta_l_deg,theta_v_deg,phi_v_deg,value", ",", ".", relative_azimuth}, "azimuth of the light is not stated"},
-        {{"theta_l_deg,theta_v_deg,phi_v_deg,value", ",", ".", azimuth_from_mirror}, "", "phi_l_deg=180"},
-        {{"no header", " ", ".", azimuth_from_mirror}, "", "theta_l_deg,theta_v_deg,phi_v_deg,value,phi_l_deg=180"},
+        {{"phi_i,theta_i,phi_o,theta_o,brdf", ",", ".", "{l} 180 {v} {opposite}"}, "phi_i and phi_o are polar angles"},
+        {{"theta_l_deg,theta_v_deg,dphi_deg,value", ",", ".", "{l} {v} {phi}"}, "viewer: theta_v_deg, dphi_deg"},
+        {{"theta_l_deg,theta_v_deg,phi_v_deg,value", ",", ".", "{l} {v} {phi}"}, "azimuth of the light is not stated"},
+        {{"theta_l_deg,theta_v_deg,phi_v_deg,value", ",", ".", "{l} {v} {from_mirror}"}, "", "phi_l_deg=180"},
+        {{"no header", " ", ".", "{l} {v} {from_mirror}"}, "", "theta_l_deg,theta_v_deg,phi_v_deg,value,phi_l_deg=180"},
         {{"no header", ";", ",", degrees}, "decimal comma", "theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,value"},
-        {.table = {"aoi_deg,detector_angle_deg,brdf", ",", ".", signed_detector},
+        {.table = {"aoi_deg,detector_angle_deg,brdf", ",", ".", "{l} {detector}"},
          .note = "mirror side",
          .in_plane = true},
-        {.table = {"theta_i,theta_s,brdf", ",", ".", signed_light}, .note = "mirror side", .in_plane = true},
+        {.table = {"theta_i,theta_s,brdf", ",", ".", "-{l} {detector}"}, .note = "mirror side", .in_plane = true},
         {{"theta_i,phi_i,theta_o,phi_o,reflectance factor", ",", ".", degrees, Quantity::factor},
          "reflectance factors"},
         {{"theta_i,phi_i,theta_o,phi_o,ccBRDF", ",", ".", degrees, Quantity::cosine}, "f cosθ"},
@@ -515,14 +493,14 @@ TEST(Csv, ReadsCommonLayouts) {
         {{"to-sun zenith,to-sun azimuth,to-sensor zn,to-sensor az,R550", ",", ".", degrees, factor}, "factors"},
         {{"src_z,src_a,view_z,view_a,550", ",", ".", degrees}, "viewer: view_z, view_a"},
         {{"theta_src,phi_src,theta_d,phi_d,0.55 µm", ",", ".", degrees}, "viewer: theta_d, phi_d"},
-        {{"sza,vza,raa,BRF_670", ",", ".", relative_azimuth, factor}, "relative azimuth of 0 is taken as backward"},
+        {{"sza,vza,raa,BRF_670", ",", ".", "{l} {v} {phi}", factor}, "relative azimuth of 0 is taken as backward"},
         {{"theta_i,phi_i,theta_o,phi_o,BRF (%)", ",", ".", degrees, factor, 0.01}, "units of 0.01"},
         {{"theta_i,phi_i,theta_o,phi_o,BRDF [1e-3/sr]", ",", ".", degrees, bsdf, 1e-3}, "units of 0.001"},
         {{"theta_i,phi_i,theta_o,phi_o,f\n°,°,°,°,10^-3 sr^-1", ",", ".", degrees, bsdf, 1e-3}, "units of 0.001"},
-        {{"theta_i,phi_i,theta_o,phi_o,x,y,z,brdf", ",", ".", with_stage}, "not read: x, y, z"},
-        {{"theta_i,phi_i,theta_o,phi_o,brdf_s,brdf_p", ",", ".", with_polarizations, bsdf, 0.5}, "means of both"},
-        {{"incidence,emission,phase,brdf", ",", ".", phase_angle}, "viewer: emission, phase"},
-        {.table = {"theta_i_deg,aspecular_angle_deg,brdf", ",", ".", aspecular_angle},
+        {{"theta_i,phi_i,theta_o,phi_o,x,y,z,brdf", ",", ".", "{l} 0 {v} {phi} 12.5 3 0"}, "not read: x, y, z"},
+        {{"theta_i,phi_i,theta_o,phi_o,brdf_s,brdf_p", ",", ".", "{l} 0 {v} {phi} 0", bsdf, 0.5}, "means of both"},
+        {{"incidence,emission,phase,brdf", ",", ".", "{l} {v} {phase:.6f}"}, "viewer: emission, phase"},
+        {.table = {"theta_i_deg,aspecular_angle_deg,brdf", ",", ".", "{l} {aspecular}"},
          .note = "from the mirror direction",
          .in_plane = true},
         {{",,,,\ntheta_i,phi_i,theta_o,phi_o,brdf\n,,,,", ",", ".", degrees}, "light"},

@@ -57,9 +57,8 @@ TEST_F(Command, ExportWritesAPageOrNothing) {
     const std::string html = read_text(folder / "both.html");
     EXPECT_CONTAINS(html, "<title>paper_white_rgb</title>");
     // The page shows the errors that `srbf compare` reports as held out.
-    const auto measured = load_measured(k_paper);
-    const auto model = load_model(*fitted / "m.srbf");
-    ASSERT_TRUE(measured && model);
+    const auto measured = checked(load_measured(k_paper));
+    const auto model = checked(load_model(*fitted / "m.srbf"));
     const Evaluate others[] = {evaluator(*model)};
     const double error =
         measure_heldout(rgb_channels(evaluator(*measured)), rgb_channels(others), {89 * k_degree, 0})[0]
@@ -186,8 +185,7 @@ TEST_F(Command, InfoWarnsOfAlbedosAboveOne) {
 }
 
 TEST_F(Command, EvalKeepsOrderAndTextOfRows) {
-    const auto model = load_model(*fitted / "m.srbf");
-    ASSERT_TRUE(model);
+    const auto model = checked(load_model(*fitted / "m.srbf"));
     // Columns in another order, additional columns, quotes, a byte-order mark, CRLF, and no newline at the end.
     write_text(folder / "pairs.csv",
                "\xef\xbb\xbfnote,\"wv_z\",wv_y,wv_x, wl_x ,wl_y,wl_z,r\r\n"

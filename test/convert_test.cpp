@@ -239,12 +239,10 @@ TEST(Convert, RglFilesMayHoldOnlyColours) {
     const RglTable table = to_rgl(evaluator(glossy()), small_options());
     const auto with_spectra = write_rgl(table), without_spectra = write_rgl(table, false);
     EXPECT_LT(2 * without_spectra.size(), with_spectra.size());
-    const auto file = parse_tensor_file(without_spectra, "w");
-    ASSERT_TRUE(file);
+    const auto file = checked(parse_tensor_file(without_spectra, "w"));
     EXPECT_TRUE(file->contains("rgb"));
     EXPECT_FALSE(file->contains("spectra") || file->contains("wavelengths"));
-    const auto a = read_rgl(with_spectra, "w"), b = read_rgl(without_spectra, "w");
-    ASSERT_TRUE(a && b);
+    const auto a = checked(read_rgl(with_spectra, "w")), b = checked(read_rgl(without_spectra, "w"));
     EXPECT_EQ(a->colour.nodes, b->colour.nodes);
 }
 

@@ -56,8 +56,8 @@ TEST(FitPm, RecoversASyntheticModel) {
     for (int lobes = 1; lobes <= 4; ++lobes)
         for (const int variates : {lobes % 2 ? 1 : 2, 3}) {
             const PmModel model = model_of(lobes, variates, random);
-            const auto fit = fit_pm(observed(evaluator(model)), short_search(PmForm::gaussian, lobes, variates));
-            ASSERT_TRUE(fit);
+            const auto fit =
+                checked(fit_pm(observed(evaluator(model)), short_search(PmForm::gaussian, lobes, variates)));
             const Evaluate others[] = {evaluator(fit->unrounded)};
             const auto error =
                 measure_heldout(rgb_channels(evaluator(model)), rgb_channels(others), {80 * k_degree, 0})[0];
@@ -75,8 +75,7 @@ TEST(FitPm, RecoversSyntheticSpectra) {
     Observations observations = observed(evaluator(model));
     observe_spectra(observations, spectra(model));
     const PmFitOptions options = short_search(PmForm::gaussian, 3, 3);
-    const auto fit = fit_pm(observations, options);
-    ASSERT_TRUE(fit);
+    const auto fit = checked(fit_pm(observations, options));
     EXPECT_EQ(fit->model.wavelength, model.wavelength);
     const Channels others[] = {spectra(fit->unrounded), spectra(fit->model)};
     const auto error = measure_heldout(spectra(model), others, {80 * k_degree, 0});
@@ -125,8 +124,7 @@ TEST(FitPm, ReciprocalFormIsReciprocal) {
     for (const bool axial : {true, false}) {
         PmFitOptions options = short_search(PmForm::reciprocal, axial ? 6 : 4, 3);
         options.axial = axial;
-        const auto fit = fit_pm(observed(reciprocal_mean(signed_evaluator(paper))), options);
-        ASSERT_TRUE(fit);
+        const auto fit = checked(fit_pm(observed(reciprocal_mean(signed_evaluator(paper))), options));
         std::mt19937_64 random(5);
         const auto draw = [&](double most_cosine) {
             return to_float(spherical(elementary::acos(most_cosine * uniform(random)), 2 * k_pi * uniform(random)));
@@ -170,8 +168,7 @@ TEST(FitPm, AlbedoIsWithinItsLimit) {
         PmFitOptions options = short_search(form, 3, 2);
         options.axial = form == PmForm::extended || scale > 1, options.albedo_limit = limit;
         options.starts = options.perturbations = 2;
-        const auto fit = fit_pm(*observe(rising, {}), options);
-        ASSERT_TRUE(fit);
+        const auto fit = checked(fit_pm(*observe(rising, {}), options));
         for (const PmModel& model : {fit->model, fit->unrounded}) {
             double largest = 0;
             for (double cosine = 1; cosine >= 1e-3; cosine *= 0.93)
@@ -232,8 +229,7 @@ TEST(FitPm, EachObjectiveIsBestInItsOwnMeasure) {
     std::vector<Measures> measures;
     for (const auto& [objective, measure] : objective_measures) {
         const auto fit =
-            fit_pm(*observe(signed_evaluator(film), {objective, cap}), short_search(PmForm::extended, 4, 3));
-        ASSERT_TRUE(fit);
+            checked(fit_pm(*observe(signed_evaluator(film), {objective, cap}), short_search(PmForm::extended, 4, 3)));
         const Evaluate others[] = {evaluator(fit->model)};
         measures.push_back(measure_heldout(rgb_channels(evaluator(film)), rgb_channels(others), {cap, 0})[0]);
     }

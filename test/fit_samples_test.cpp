@@ -557,8 +557,7 @@ TEST(FitSamples, SpectralAndColourFitsOfAPaintAgree) {
         return fit_pm(*observe(samples, ObserveSamplesOptions{Objective::raw, 80 * k_degree, 0, spectral}),
                       sample_options);
     };
-    const auto rgb = fit(false), spectral = fit(true);
-    ASSERT_TRUE(rgb && spectral);
+    const auto rgb = checked(fit(false)), spectral = checked(fit(true));
     EXPECT_EQ(spectral->model.wavelength, samples.wavelengths);
     EXPECT_EQ(payload_bytes(spectral->model), payload_bytes(rgb->model) + 2 * 4 * (31 - 3));
     const auto error_of = [&](const PmModel& model) {
@@ -596,8 +595,7 @@ TEST(FitSamples, GapsAreFilledForSpectraAsForColours) {
         options.spectral = spectral;
         return fit_pm(*observe(samples, options), sample_options);
     };
-    const auto rgb = fit(false), spectral = fit(true);
-    ASSERT_TRUE(rgb && spectral);
+    const auto rgb = checked(fit(false)), spectral = checked(fit(true));
     EXPECT_EQ(spectral->model.wavelength, samples.wavelengths);
     EXPECT_EQ(spectral->model.parameterization, rgb->model.parameterization);
     std::vector<Rgb> colours(samples.wl.size());

@@ -73,8 +73,8 @@ TEST(FitSu, RecoversSeparatedLobes) {
             SuFitOptions options = k_raw;
             options.lobes = lobes;
             // Interpolation between independent views is not meaningful.
-            const auto matrix = tabulate(evaluator(truth), {.directions = 256, .between = isotropic ? 128 : 0});
-            ASSERT_TRUE(matrix);
+            const auto matrix =
+                checked(tabulate(evaluator(truth), {.directions = 256, .between = isotropic ? 128 : 0}));
             const auto fit = checked(fit_su(*matrix, options));
             EXPECT_LE(matrix_error(evaluator(truth), fit->unrounded), 1e-6) << lobes << isotropic;
             EXPECT_LE(matrix_error(evaluator(truth), fit->model), 1e-5) << lobes << isotropic;
@@ -88,8 +88,7 @@ TEST(FitSu, ApproximatesMeasurements) {
         double matrix, heldout;
     } bounds[] = {{"paper_white_rgb", 0.005, 0.005}, {"cc_ibiza_sunset_rgb", 0.0012, 0.006}};
     for (const auto& bound : bounds) {
-        const auto fit = fit_su(matrix_of(bound.name, 1536), k_raw);
-        ASSERT_TRUE(fit);
+        const auto fit = checked(fit_su(matrix_of(bound.name, 1536), k_raw));
         EXPECT_EQ(payload_bytes(fit->model), 73728u);
         const Evaluate reference = evaluator(bundled(bound.name));
         const double error = matrix_error(reference, fit->model), unrounded = matrix_error(reference, fit->unrounded);
@@ -138,11 +137,10 @@ TEST(FitSu, ScalesWithItsData) {
     RawMatrix matrix = *tabulate(evaluator(separated_lobes(3, true, 7)), {.directions = 128});
     SuFitOptions options = k_raw;
     options.lobes = 2;
-    const auto fit = fit_su(matrix, options);
+    const auto fit = checked(fit_su(matrix, options));
     for (Rgb& f : matrix.f) f = {4 * f.r, 4 * f.g, 4 * f.b};
     for (auto& between : matrix.between) between.f = {4 * between.f.r, 4 * between.f.g, 4 * between.f.b};
-    const auto scaled = fit_su(matrix, options);
-    ASSERT_TRUE(fit && scaled);
+    const auto scaled = checked(fit_su(matrix, options));
     std::mt19937_64 random(1);
     for (int i = 0; i < 500; ++i) {
         const Vec3f wl = to_float(random_direction(random, 0.2)), wv = to_float(random_direction(random, 0.2));
@@ -153,9 +151,8 @@ TEST(FitSu, ScalesWithItsData) {
 
 TEST(FitSu, DiscretisesEitherDirection) {
     const Evaluate f = signed_evaluator(bundled("cc_ibiza_sunset_rgb"));
-    const auto view_fit = fit_su(*tabulate(exchanged(f), {.directions = 128}), k_raw);
-    const auto light_fit = fit_su(*tabulate(f, {.directions = 128, .discretise = Discretise::light}), k_raw);
-    ASSERT_TRUE(view_fit && light_fit);
+    const auto view_fit = checked(fit_su(*tabulate(exchanged(f), {.directions = 128}), k_raw));
+    const auto light_fit = checked(fit_su(*tabulate(f, {.directions = 128, .discretise = Discretise::light}), k_raw));
     EXPECT_EQ(light_fit->model.discretise, Discretise::light);
     std::mt19937_64 random(2);
     for (int i = 0; i < 500; ++i) {
@@ -172,8 +169,8 @@ TEST(FitSu, EachObjectiveIsBestInItsOwnMeasure) {
         {Objective::log, &Measures::log_rms_cosine},
         {Objective::cube_root, &Measures::cube_root_error_ratio},
         {Objective::relative, &Measures::log10_rms}};
-    const auto matrix = tabulate(signed_evaluator(bundled("cc_ibiza_sunset_rgb")), {.directions = 256, .between = 0});
-    ASSERT_TRUE(matrix);
+    const auto matrix =
+        checked(tabulate(signed_evaluator(bundled("cc_ibiza_sunset_rgb")), {.directions = 256, .between = 0}));
     std::vector<SuModel> models;
     for (const auto& [objective, measure] : objectives)
         models.push_back(fit_su(*matrix, {.lobes = 2, .objective = objective, .max_theta = k_cap})->model);
@@ -190,8 +187,7 @@ TEST(FitSu, StaysBoundedUpToTheHorizon) {
     for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {
         SuFitOptions options = k_raw;
         options.lobes = 6;
-        const auto fit = fit_su(matrix_of(name, 768), options);
-        ASSERT_TRUE(fit);
+        const auto fit = checked(fit_su(matrix_of(name, 768), options));
         std::mt19937_64 random(3);
         double measured = 0, largest = 0;
         for (int i = 0; i < 200000; ++i) {
@@ -232,8 +228,7 @@ TEST(FitSu, ViewsWithoutDataAreEmpty) {
         }
     // A matrix without any data.
     for (Rgb& f : matrix.f) f = {k_nan, k_nan, k_nan};
-    const auto none = fit_su(matrix, k_raw);
-    ASSERT_TRUE(none);
+    const auto none = checked(fit_su(matrix, k_raw));
     EXPECT_EQ(none->empty, 64);
     EXPECT_EQ(value(none->model, {0, 0, 1}, {0, 0, 1}), Rgb{});
     // A matrix with some missing values.
@@ -276,8 +271,7 @@ TEST(FitSu, RefusesBadOptionsAndMatrices) {
         EXPECT_FALSE(tabulate(signed_evaluator(bundled("paper_white_rgb")), {.directions = bad})) << bad;
     // The smallest number of directions.
     const RawMatrix few = matrix_of("paper_white_rgb", k_least_views);
-    const auto fit = fit_su(few, {.lobes = 2, .objective = Objective::raw});
-    ASSERT_TRUE(fit);
+    const auto fit = checked(fit_su(few, {.lobes = 2, .objective = Objective::raw}));
     EXPECT_TRUE(is_finite(value(fit->model, {0, 0, 1}, {0, 0.6f, 0.8f})));
 }
 
@@ -287,8 +281,7 @@ TEST(Tabulate, SamplesTheFunctionAndCountsInvalidValues) {
             out[i] = wl[i].x < -0.9f ? Rgb{1, k_nan, 1} : Rgb{wl[i].x, wv[i].z, wl[i].y + 2 * wv[i].y};
     };
     for (const auto discretise : {Discretise::view, Discretise::light}) {
-        const auto matrix = tabulate(f, {.directions = 50, .between = 40, .discretise = discretise});
-        ASSERT_TRUE(matrix);
+        const auto matrix = checked(tabulate(f, {.directions = 50, .between = 40, .discretise = discretise}));
         std::uint64_t masked = 0, clamped = 0;
         const auto check = [&](Vec3f wl, Vec3f wv, const Rgb& tabulated, bool counts) {
             Rgb expected;

@@ -140,8 +140,7 @@ TEST(Fitter, LargerModelsStayWithinTheirRecordedErrors) {
         {{.model = PmRequest{.form = PmForm::extended, .size = LobeCount{12}, .effort = 0.34}}, 304, 4.70, 0.1042},
         {{.model = SuRequest{.lobes = 5, .directions = 384}}, 23040, 6.25, 0.0851}};
     for (const auto& row : expected) {
-        const auto outcome = fit(measured, row.request);
-        ASSERT_TRUE(outcome);
+        const auto outcome = checked(fit(measured, row.request));
         EXPECT_EQ(payload_bytes(outcome->model), row.bytes);
         EXPECT_LE(outcome->errors->appearance.mean.delta_e, row.delta_e);
         EXPECT_LE(outcome->errors->appearance.mean.rms, row.rms);
@@ -153,21 +152,18 @@ TEST(Fitter, LargerModelsStayWithinTheirRecordedErrors) {
 TEST(Fitter, EqualsItsStagesCalledSeparately) {
     const Measured& measured = bundled("paper_white_rgb");
     const FitRequest request = pm(LobeCount{1});
-    const auto at_once = fit(measured, request);
-    ASSERT_TRUE(at_once);
+    const auto at_once = checked(fit(measured, request));
     Fitter fitter(measured);
     // Neither a draft nor an earlier fit changes the result of a later one.
     ASSERT_TRUE(fitter.draft(request));
     ASSERT_TRUE(fitter.fit(pm(LobeCount{1}, 1), {}));
-    auto outcome = fitter.fit(request);
-    ASSERT_TRUE(outcome);
+    auto outcome = checked(fitter.fit(request));
     EXPECT_FALSE(outcome->errors);
     ASSERT_TRUE(fitter.measure(*outcome, request));
     EXPECT_EQ(write_model(outcome->model), write_model(at_once->model));
     EXPECT_EQ(outcome->errors->heldout.squared_error_ratio, at_once->errors->heldout.squared_error_ratio);
     // The same BRDF as a function has the same fit.
-    const auto function_fit = fit(signed_evaluator(measured), request);
-    ASSERT_TRUE(function_fit);
+    const auto function_fit = checked(fit(signed_evaluator(measured), request));
     EXPECT_EQ(std::get<PmModel>(function_fit->model.model), std::get<PmModel>(at_once->model.model));
 }
 
@@ -179,8 +175,7 @@ TEST(Fitter, SamplesAreCrossValidated) {
     EXPECT_LT(outcome->errors->heldout.squared_error_ratio, 0.01);
     // The errors of a draft are not measured.
     Fitter fitter(measured);
-    auto draft = fitter.draft(request);
-    ASSERT_TRUE(draft);
+    auto draft = checked(fitter.draft(request));
     EXPECT_FALSE(draft->errors);
     EXPECT_TRUE(fitter.measure(*draft, request));
 }

@@ -111,8 +111,8 @@ TEST(Ggx, FitScalesWithTheData) {
             },
             {.objective = Objective::cube_root, .count = 4096});
     };
-    const auto once = Kind<GgxModel>::fit(observed_times(1)), large = Kind<GgxModel>::fit(observed_times(64));
-    ASSERT_TRUE(once.ok() && large.ok());
+    const auto once = checked(Kind<GgxModel>::fit(observed_times(1))),
+               large = checked(Kind<GgxModel>::fit(observed_times(64)));
     EXPECT_WITHIN(large->unrounded.diffuse.g, 64 * double(once->unrounded.diffuse.g),
                   64e-4 * double(once->unrounded.diffuse.g) + 1e-6);
     EXPECT_WITHIN(large->unrounded.lobes[0].roughness, once->unrounded.lobes[0].roughness, 1e-4);

@@ -125,8 +125,7 @@ TEST(Isotropy, GeneralLobesFitWhatAxialOnesCannot) {
         options.form = form;
         options.axial = axial;
         options.variates = 3;
-        const auto fit = fit_pm(observations, options);
-        ASSERT_TRUE(fit);
+        const auto fit = checked(fit_pm(observations, options));
         EXPECT_EQ(fit->model.axial, axial);
         EXPECT_FALSE(is_reciprocal(fit->model));
         models.push_back(fit->model);

@@ -60,8 +60,7 @@ TEST(Noise, IsEstimated) {
 TEST(Noise, DoesNotBiasAFit) {
     const Measured& truth = bundled("paper_white_rgb");
     Fitter fitter(with_noise(truth, 0.28f));
-    const auto outcome = fitter.fit({.model = PmRequest{.effort = 0.1}});
-    ASSERT_TRUE(outcome);
+    const auto outcome = checked(fitter.fit({.model = PmRequest{.effort = 0.1}}));
     EXPECT_GT(share_of(*outcome->noise), 1);
     const Evaluate reference = evaluator(truth), fitted = evaluator(outcome->model);
     for (const double theta : {0.0, 30.0, 60.0}) {
@@ -99,8 +98,7 @@ TEST(Noise, IsHardlyLeftInASmoothedTable) {
     std::normal_distribution<float> normal;
     for (Rgb& cell : table.cells)
         for (int c = 0; c < 3; ++c) cell[c] += 0.28f * normal(random);
-    const auto smooth = smoothed_to_noise(measured);
-    ASSERT_TRUE(smooth);
+    const auto smooth = checked(smoothed_to_noise(measured));
     const MbsdfTable found = to_mbsdf(*smooth, {table.polar, table.azimuths, {}, 0});
     std::vector<double> before, after;
     for (std::uint32_t l = 0; l < 34; ++l)  // to 66°

@@ -267,8 +267,7 @@ TEST_F(Prepared, AlbedoOfFitsIsTheIntegral) {
     for (const char* const name : {"cc_ibiza_sunset_rgb.bsdf", "paper_white_rgb.bsdf"}) {
         SCOPED_TRACE(name);
         Measured measured = *load_measured((bundled_data() / name).string());
-        const auto fitted = Fitter(measured).fit({PmRequest{.size = LobeCount{3}, .effort = 0.1}});
-        ASSERT_TRUE(fitted);
+        const auto fitted = checked(Fitter(measured).fit({PmRequest{.size = LobeCount{3}, .effort = 0.1}}));
         expect_integral(evaluator(fitted->model), prepare(fitted->model, CosineProposal{}));
         exchange(measured);  // whose light depends on the azimuth even along the normal
         expect_integral(evaluator(measured), prepare(measured, CosineProposal{}));

@@ -577,9 +577,8 @@ TEST_F(ShadingCode, RunsViewByView) {
             ASSERT_NEAR(f[std::size_t(c)], expected[c], std::max(1e-4f * expected[c], 1e-6f * peak));
     }
 
-    const auto glsl = shading_code(named, "su", {.albedo = true}),
-               hlsl = shading_code(named, "su", {.language = CodeLanguage::hlsl});
-    ASSERT_TRUE(glsl && hlsl);
+    const auto glsl = checked(shading_code(named, "su", {.albedo = true})),
+               hlsl = checked(shading_code(named, "su", {.language = CodeLanguage::hlsl}));
     const std::string in_glsl =
         "#version 300 es\nprecision highp float;\nuniform highp sampler2D data;\n"
         "float su_number(int i) { return texelFetch(data, ivec2(i % 1024, i / 1024), 0).x; }\n" +

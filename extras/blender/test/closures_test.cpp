@@ -115,9 +115,8 @@ TEST(Closures, HaveADiffuseRamp) {
     for (std::size_t i = 0; i < sum.diffuse.size(); ++i)
         if (i % 7 > 3) sum.diffuse[i] = {0.3f, 0.3f, 0.3f};  // a surface that is flatter than Lambert's
     const Evaluate flat = evaluator(sum);
-    const auto fit = fit_closures(flat, {.terms = 1, .ramp = 7, .knots = 8}),
-               without = fit_closures(flat, {.terms = 1, .knots = 8});
-    ASSERT_TRUE(fit.ok() && without.ok());
+    const auto fit = checked(fit_closures(flat, {.terms = 1, .ramp = 7, .knots = 8})),
+               without = checked(fit_closures(flat, {.terms = 1, .knots = 8}));
     EXPECT_LT(delta_e(flat, evaluator(*fit)), std::min(0.5, delta_e(flat, evaluator(*without))));
 }
 

@@ -144,8 +144,8 @@ TEST_F(BsdfCommand, FitsAShadeAmongOtherFiles) {
     EXPECT_CONTAINS(first.out, "3 fitted");
     EXPECT_CONTAINS(second.out, "3 kept");
     // The model is the same as when fitted alone, except for its provenance.
-    const auto alone = load_model(folder / "shade.srbf"), among = load_model(folder / "models/shade.srbf");
-    ASSERT_TRUE(alone.ok() && among.ok());
+    const auto alone = checked(load_model(folder / "shade.srbf")),
+               among = checked(load_model(folder / "models/shade.srbf"));
     EXPECT_EQ(write_model({alone->model, {}}), write_model({among->model, {}}));
     const Json report = Json::parse(read_text(folder / "models/other.json"));
     EXPECT_EQ(report["parts"].size(), 4u);

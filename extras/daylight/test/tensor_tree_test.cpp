@@ -79,9 +79,8 @@ TEST(TensorTree, DirectionsAreRadiances) {
         const auto q = disc(x[1], x[2]);
         return x[0] > 0.5 ? 0 : f(1 - 2 * x[0], 0, q[0], q[1]);
     });
-    const auto a = read(bsdf_xml("", tree_block("Transmission Back", four), "TensorTree4")),
-               b = read(bsdf_xml("", tree_block("Reflection Front", three), "TensorTree3"));
-    ASSERT_TRUE(a.ok() && b.ok());
+    const auto a = checked(read(bsdf_xml("", tree_block("Transmission Back", four), "TensorTree4"))),
+               b = checked(read(bsdf_xml("", tree_block("Reflection Front", three), "TensorTree3")));
     EXPECT_EQ(a->format, "BSDF tree");
     EXPECT_FALSE(is_isotropic(*a));
     EXPECT_TRUE(is_isotropic(*b));

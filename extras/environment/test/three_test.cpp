@@ -136,8 +136,8 @@ TEST(Three, DrawsThePictureOfTheDesktop) {
         {"film", &models[0]}, {"brushed_x", &models[1]}, {"ggx", &models[2]}, {"lambert", &models[3]}};
 
     const TemporaryFolder folder;
-    const auto module = three_module(named, "materials"), one = three_module(std::span(named).first(1), "film");
-    ASSERT_TRUE(module && one);
+    const auto module = checked(three_module(named, "materials")),
+               one = checked(three_module(std::span(named).first(1), "film"));
     write_text(folder / "materials.js", *module);
     write_text(folder / "film.js", *one);
     for (const char* name : {"three.module.js", "three.core.js"}) fs::copy_file(three / name, folder / name);

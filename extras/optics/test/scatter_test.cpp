@@ -498,10 +498,9 @@ TEST(Fred, ReadsScansInThePlaneOfIncidence) {
 TEST(Scatter, FilesOfInstrumentsHaveTheirIntegrals) {
     const auto folder = shared_data() / "optics";
     if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder;
-    const auto zemax = load_measured(folder / "test_13_planesymmetric_brdf_zemax.bsdf"),
-               speos = load_measured(folder / "test_13_planesymmetric_brdf_speos_reference.anisotropicbsdf"),
-               sensor = load_measured(folder / "IMX455.bsdf");
-    ASSERT_TRUE(zemax.ok() && speos.ok() && sensor.ok());
+    const auto zemax = checked(load_measured(folder / "test_13_planesymmetric_brdf_zemax.bsdf")),
+               speos = checked(load_measured(folder / "test_13_planesymmetric_brdf_speos_reference.anisotropicbsdf")),
+               sensor = checked(load_measured(folder / "IMX455.bsdf"));
     EXPECT_FALSE(is_isotropic(*sensor));
     const auto& table = *own_table<ScatterTable>(*zemax);
     EXPECT_WITHIN(scatter_integral(table, table.slices[0]), 0.1309,

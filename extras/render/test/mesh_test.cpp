@@ -133,9 +133,8 @@ TEST(Ply, SkipsUnknownElements) {
 
 TEST(Obj, TrianglesInsideOutAreReversed) {
     const std::string vertices = "v 5 5 5\nv 6 5 5\nv 5 6 5\nv 5 5 6\n";
-    const auto outside = read(vertices + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
-    const auto inside = read(vertices + "f 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n");
-    ASSERT_TRUE(outside && inside);
+    const auto outside = checked(read(vertices + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"));
+    const auto inside = checked(read(vertices + "f 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n"));
     EXPECT_EQ(outside->triangles, inside->triangles);
     EXPECT_EQ(outside->normals, inside->normals);
     EXPECT_LT(outside->normals[0].x, 0);

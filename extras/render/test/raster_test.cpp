@@ -269,8 +269,7 @@ TEST_P(Raster, TheInsideOfAnOpenSurfaceIsSeenWithItsNormalTurned) {
         ASSERT_WITHIN(n[2], -z, 1e-5);
     }
     EXPECT_GT(seen, 0.3 * k_height * k_height);
-    const auto surface = RasterSurface::make(GetParam(), k_width, k_height);
-    ASSERT_TRUE(surface);
+    const auto surface = checked(RasterSurface::make(GetParam(), k_width, k_height));
     RasterView view = view_of(scene);
     view.back_faces = false;
     surface->draw(RasterMesh(scene.mesh), view);

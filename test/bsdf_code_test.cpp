@@ -11,7 +11,7 @@
 namespace srbf::bsdf_code_test {
 namespace {
 
-using BsdfCode = WrittenCode;
+using BsdfCode = CodeTest;
 
 /// Returns BSDFs with parts of their own, with parts that their counterparts answer for, and with one that is 0.
 std::vector<Model> bsdfs() {
@@ -131,9 +131,9 @@ void expect_draws(const Answer& answer, const Model& model, Vec3f wv, std::mt199
 /// On both sides of a BSDF, values and beams are the library's, and samples follow their density.
 TEST_F(BsdfCode, AnswersAsTheLibrary) {
     const std::vector<Model> all = bsdfs();
-    void* const library =
-        compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Wno-unused-function -Werror",
-                 "both", code_of_bsdfs(all, CodeLanguage::c, true) + k_answer_text);
+    void* const library = compile_and_load(
+        SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Wno-unused-function -Werror", "both",
+        code_of_bsdfs(all, CodeLanguage::c, true) + k_answer_text);
     ASSERT_TRUE(library);
     const auto called = function<void(int, int, const float*, const float*, float*)>(library, "answer");
     std::mt19937_64 random(7);

@@ -91,7 +91,7 @@ void expect_near(const Rgb& found, const Rgb& expected, float relative, const st
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], relative * expected[c] + 1e-30f) << texel;
 }
 
-class MapCode : public WrittenCode {};
+class MapCode : public CodeTest {};
 
 TEST_F(MapCode, HasTheValuesOfTheTexels) {
     for (const bool axial : {true, false}) {
@@ -99,7 +99,7 @@ TEST_F(MapCode, HasTheValuesOfTheTexels) {
         const Texture texture = texture_of(map_ktx2(map));
         std::vector<float> texels;
         for (const std::uint16_t half : texture.levels[0]) texels.push_back(from_half(half));
-        void* const library = compiled(
+        void* const library = compile_and_load(
             SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", axial ? "axial" : "general",
             code(map, CodeLanguage::c) +
                 fmt::format("static const float* layers;\n"

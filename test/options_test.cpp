@@ -154,7 +154,7 @@ class Options : public CommandLine {
         std::map<std::string, std::string> files;
         bool operator==(const Written&) const = default;
     };
-    Written written(const Arguments& arguments) {
+    Written run_and_collect(const Arguments& arguments) {
         ProgramRun result = run_srbf(folder, arguments);
         Written output{result.status, prints_durations(arguments[0]) ? "" : result.out, result.err, {}};
         for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path)) {
@@ -168,15 +168,15 @@ class Options : public CommandLine {
     }
 
     /// Runs the command with a folder `o` for its output.
-    Written written_fresh(const Arguments& arguments) {
+    Written run_in_new_folder(const Arguments& arguments) {
         std::filesystem::create_directories(folder / "o");
-        return written(arguments);
+        return run_and_collect(arguments);
     }
-    /// The cached result of `written_fresh`.
-    const Written& fresh(const Arguments& arguments) {
+    /// The result of `run_in_new_folder`, which is kept.
+    const Written& cached_run(const Arguments& arguments) {
         static std::map<Arguments, Written> results;
         const auto [entry, is_new] = results.try_emplace(arguments);
-        if (is_new) entry->second = written_fresh(arguments);
+        if (is_new) entry->second = run_in_new_folder(arguments);
         return entry->second;
     }
 
@@ -190,7 +190,7 @@ TEST_F(Options, AreReadOrRefused) {
     for (const auto& [name, text] : all_modes()) {
         const Arguments base = words(text);
         if (!is_offered(base)) continue;
-        const Written& without = fresh(base);
+        const Written& without = cached_run(base);
         if (without.status != 0 && text.find("none.") == text.npos) {
             EXPECT_CONTAINS(text, "raster") << '\n' << without.err;  // there is no OpenGL
             continue;
@@ -202,7 +202,7 @@ TEST_F(Options, AreReadOrRefused) {
             if (is_given || k_without_effect.contains(option) || k_without_effect_in_mode.contains({name, option}))
                 continue;
             if (k_tried_once.contains(option) && options_read[base[0]].contains(option)) continue;
-            const Written& with = fresh(base + Arguments{option} + words(argument_of(base[0], option)));
+            const Written& with = cached_run(base + Arguments{option} + words(argument_of(base[0], option)));
             EXPECT_GE(with.status, 0) << text << ' ' << option;
             EXPECT_FALSE(with == without) << name << ": " << text << ": " << option << " is accepted and not read";
             if (with.status == 0) {
@@ -243,7 +243,7 @@ class Resuming : public Options {
     }
     Written resumed(const Arguments& arguments) {
         std::filesystem::copy(partial_output / "o", folder / "o", std::filesystem::copy_options::recursive);
-        return written(arguments + Arguments{"--resume"});
+        return run_and_collect(arguments + Arguments{"--resume"});
     }
     /// Expects that a resumed run writes the same files as a fresh one, `expected`. Returns false without running if the
     /// command is rejected.
@@ -282,7 +282,7 @@ TEST_F(Resuming, KeepsOldResultsOutOfNewOnes) {
     std::filesystem::copy(partial_output / "o", folder / "o", std::filesystem::copy_options::recursive);
     EXPECT_LACKS(run_srbf(folder, base + Arguments{"--resume"}).out, " 0 kept");
     std::filesystem::remove_all(folder / "o");
-    EXPECT_TRUE(expect_resumed(base, fresh(base)));
+    EXPECT_TRUE(expect_resumed(base, cached_run(base)));
     int tried = 0;
     for (const std::string& option : options.at(base[0])) {
         if (k_without_effect.contains(option) || option == "--output") continue;
@@ -290,13 +290,13 @@ TEST_F(Resuming, KeepsOldResultsOutOfNewOnes) {
         if (const auto position = std::ranges::find(with, option); position != with.end())
             with.erase(position, position + 2);
         with = with + Arguments{option} + words(argument_of(base[0], option));
-        tried += expect_resumed(with, fresh(with));
+        tried += expect_resumed(with, cached_run(with));
     }
     EXPECT_GE(tried, 5);
     const std::string before = read_text(folder / k_resumed_input);
     ASSERT_NE(changed_content(before), before);
     write_text(folder / k_resumed_input, changed_content(before));
-    EXPECT_TRUE(expect_resumed(base, written_fresh(base)));
+    EXPECT_TRUE(expect_resumed(base, run_in_new_folder(base)));
     write_text(folder / k_resumed_input, before);
 }
 
@@ -320,7 +320,7 @@ TEST_F(Options, AreRefusedWithValuesOfTheWrongType) {
         for (const std::string& option : options.at(subcommand) + Arguments{"--help", "--version", "--max-memory"}) {
             const bool is_flag = is_listed(option) && argument_after(option).empty();
             for (const std::string value : {"rgb", "-7", "99999999999999999999"}) {
-                const Written result = written(words(text) + Arguments{option + "=" + value});
+                const Written result = run_and_collect(words(text) + Arguments{option + "=" + value});
                 const std::string line = fmt::format("{} {}={}: {}", text, option, value, result.err);
                 EXPECT_TRUE(is_flag ? result.status == 2 : result.status == 1 || result.status == 2) << line;
                 EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << line;

@@ -69,15 +69,16 @@ struct Case {
     Opened* brdf = nullptr;
 };
 
-class RuntimeHeader : public WrittenCode {
+class RuntimeHeader : public CodeTest {
   protected:
-    RuntimeHeader() { written("srbf_runtime.h", runtime_code()); }
+    RuntimeHeader() { write_source("srbf_runtime.h", runtime_code()); }
 
     /// Compiled once for all tests.
     const Runtime& compiled_runtime(const std::string& options, const std::string& compiler = "gcc") {
         static std::map<std::string, Runtime> made;
         if (const auto at = made.find(compiler + options); at != made.end()) return at->second;
-        void* library = compiled(compiler + " -std=c99 -O2 " + options, compiler + options, k_implementation, "");
+        void* library =
+            compile_and_load(compiler + " -std=c99 -O2 " + options, compiler + options, k_implementation, "");
         ::dlopen(path(compiler + options + ".so").c_str(), RTLD_NOW | RTLD_NOLOAD);  // so that it stays after this test
         const auto named = [&](auto& member, const char* name) {
             const std::string versioned = fmt::format("{}_{}", k_prefix, name);
@@ -277,7 +278,7 @@ TEST_F(RuntimeHeader, RefusesEveryTruncation) {
 
 TEST_F(RuntimeHeader, CompilesWithoutWarnings) {
     // Some warnings of GCC come with its optimisation. The C library's headers of 32 bits lack one file.
-    fs::create_directory(path("gnu")), written("gnu/stubs-32.h", "");
+    fs::create_directory(path("gnu")), write_source("gnu/stubs-32.h", "");
     const std::string x87 = "gcc -m32 -std=c99 -O1 -idirafter /usr/include/x86_64-linux-gnu -I" + path("");
     for (const std::string& command :
          {std::string("gcc -std=c99 -Os"), std::string("gcc -std=c99 -O1 -DSRBF_ONE_LANE"), x87, x87 + " -msse2",
@@ -285,14 +286,14 @@ TEST_F(RuntimeHeader, CompilesWithoutWarnings) {
           std::string("g++ -x c++ -std=c++11 -fsyntax-only"), std::string("clang++ -x c++ -std=c++11 -fsyntax-only")}) {
         if (!runs(command.substr(0, command.find(" -std")) + " -E -x c /dev/null")) continue;
         EXPECT_TRUE(runs(fmt::format("{} -Wall -Wextra -Wconversion -pedantic -Werror -c '{}' -o '{}'", command,
-                                     written("warned.c", k_implementation), path("warned.o"))));
+                                     write_source("warned.c", k_implementation), path("warned.o"))));
     }
 }
 
 // Two plugins with two versions of the header do not call each other's functions.
 TEST_F(RuntimeHeader, NamesContainTheVersion) {
     for (const std::string options : {"", "-DSRBF_RUNTIME_STATIC"}) {
-        compiled("gcc -std=c99 " + options, "names" + options, k_implementation);
+        compile_and_load("gcc -std=c99 " + options, "names" + options, k_implementation);
         const std::string names = fmt::format("nm -D --defined-only '{}'", path("names" + options + ".so"));
         EXPECT_TRUE(runs(fmt::format("! {} | grep -v ' {}_'", names, k_prefix)));
         EXPECT_EQ(bool(runs(names + " | grep srbf_")), options.empty());

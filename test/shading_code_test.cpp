@@ -224,7 +224,7 @@ std::string answers_text(const std::string& zero, const auto& store) {
     return text;
 }
 
-class ShadingCode : public WrittenCode {
+class ShadingCode : public CodeTest {
   protected:
     /// Compiles the code as a C or C++ program, runs it and compares the answers. Optimised once, since warnings depend
     /// on it.
@@ -236,18 +236,18 @@ class ShadingCode : public WrittenCode {
                 "w.z;\n",
                 three, k, number, k, k, k);
         };
-        void* const library =
-            compiled(compiler + " -Wall -Wextra -Wconversion -Werror", name,
-                     header + fmt::format("#ifdef __cplusplus\nextern \"C\"\n#endif\n"
-                                          "void answer(const float* q, float* r, int n);\n"
-                                          "void answer(const float* q, float* r, int n) {{\n"
-                                          "    int i;\n    for (i = 0; i < n; ++i) {{\n"
-                                          "        {0} wl, wv, u, w;\n"
-                                          "        wl.x = q[0], wl.y = q[1], wl.z = q[2], wv.x = q[4], wv.y = q[5];\n"
-                                          "        wv.z = q[6], u.x = q[8], u.y = q[9], u.z = q[10];\n{1}"
-                                          "        q += 12, r += {2};\n    }}\n}}\n",
-                                          vector, answers_text("0.0f", store), 12 * models().size()),
-                     level);
+        void* const library = compile_and_load(
+            compiler + " -Wall -Wextra -Wconversion -Werror", name,
+            header + fmt::format("#ifdef __cplusplus\nextern \"C\"\n#endif\n"
+                                 "void answer(const float* q, float* r, int n);\n"
+                                 "void answer(const float* q, float* r, int n) {{\n"
+                                 "    int i;\n    for (i = 0; i < n; ++i) {{\n"
+                                 "        {0} wl, wv, u, w;\n"
+                                 "        wl.x = q[0], wl.y = q[1], wl.z = q[2], wv.x = q[4], wv.y = q[5];\n"
+                                 "        wv.z = q[6], u.x = q[8], u.y = q[9], u.z = q[10];\n{1}"
+                                 "        q += 12, r += {2};\n    }}\n}}\n",
+                                 vector, answers_text("0.0f", store), 12 * models().size()),
+            level);
         ASSERT_TRUE(library);
         const auto answer = function<void(const float*, float*, int)>(library, "answer");
         Answers answers(questions().size() * models().size());
@@ -260,7 +260,7 @@ TEST_F(ShadingCode, RunsAsCAndCpp) {
     const std::string& header = code_in_c();
     expect_compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wstrict-prototypes", header, "srbf_vec3", "c", "-O1");
     expect_compiled(SRBF_COMPILER " -x c++ -std=c++11 -pedantic", header, "srbf_vec3", "cpp");
-    const std::string plain = written("plain.h", code(CodeLanguage::c, false)),
+    const std::string plain = write_source("plain.h", code(CodeLanguage::c, false)),
                       checks = " -x c -std=c99 -pedantic -Wall -Wextra -Werror -Wno-unused-function -fsyntax-only '{}'";
     EXPECT_TRUE(runs(SRBF_COMPILER + fmt::format(fmt::runtime(checks), plain)));
     if (!std::strlen(SRBF_CLANG)) GTEST_SKIP() << "no clang (Debian: clang)";
@@ -271,12 +271,12 @@ TEST_F(ShadingCode, RunsAsCAndCpp) {
 /// Renderers are often compiled so: sums are reordered, and all numbers taken for finite.
 TEST_F(ShadingCode, FastMathKeepsItsValues) {
     expect_compiled(SRBF_COMPILER " -x c -std=c99", code_in_c(), "srbf_vec3", "c_fast", "-O2 -ffast-math");
-    void* const headers =
-        compiled(SRBF_COMPILER " -x c++ -std=c++20 -I'" SRBF_SOURCE_DIR "/include'", "headers",
-                 "#include \"srbf/handles.h\"\n"
-                 "extern \"C\" int above(float x, float y, float z) {\n"
-                 "    return srbf::above_horizon({x, y, z}, {0, 0, 1}) + 2 * srbf::is_finite(srbf::Rgb{x, y, z});\n}\n",
-                 "-Ofast");
+    void* const headers = compile_and_load(
+        SRBF_COMPILER " -x c++ -std=c++20 -I'" SRBF_SOURCE_DIR "/include'", "headers",
+        "#include \"srbf/handles.h\"\n"
+        "extern \"C\" int above(float x, float y, float z) {\n"
+        "    return srbf::above_horizon({x, y, z}, {0, 0, 1}) + 2 * srbf::is_finite(srbf::Rgb{x, y, z});\n}\n",
+        "-Ofast");
     const auto above = function<int(float, float, float)>(headers, "above");
     EXPECT_EQ(above(0, 0.6f, 0.8f), 3);
     for (const float x : {float(NAN), float(INFINITY), -float(INFINITY)})
@@ -285,7 +285,7 @@ TEST_F(ShadingCode, FastMathKeepsItsValues) {
 
 TEST_F(ShadingCode, CompilesAsCuda) {
     if (!std::strlen(SRBF_NVCC)) GTEST_SKIP() << "no nvcc";
-    const std::string source = written(
+    const std::string source = write_source(
         "code.cu", code(CodeLanguage::c, false) +
                        "__global__ void answer(srbf_vec3 wl, srbf_vec3 wv, float* f) { *f = m0_brdf(wl, wv).x + "
                        "m3_brdf(wl, wv).y; }\nsrbf_vec3 on_host(srbf_vec3 w) { return m0_brdf(w, w); }\n");
@@ -304,7 +304,7 @@ std::string map_code_in(CodeLanguage language) {
 /// Metal's compiler exists only on Apple's systems. Its language is C++14; a small replacement stands for its
 /// vector library.
 TEST_F(ShadingCode, RunsAsMetal) {
-    written("metal_stdlib", R"(#pragma once
+    write_source("metal_stdlib", R"(#pragma once
 #include <cmath>
 #define constant static const
 namespace metal {
@@ -326,9 +326,9 @@ using std::acos;
 )");
     expect_compiled(fmt::format("{} -x c++ -std=c++14 -I'{}'", SRBF_COMPILER, folder_.path.string()),
                     code(CodeLanguage::msl), "metal::float3", "msl");
-    EXPECT_TRUE(
-        runs(fmt::format("{} -x c++ -std=c++14 -I'{}' -fsyntax-only '{}'", SRBF_COMPILER, folder_.path.string(),
-                         written("plain.metal", code(CodeLanguage::msl, false) + code_of_extras(CodeLanguage::msl) +
+    EXPECT_TRUE(runs(
+        fmt::format("{} -x c++ -std=c++14 -I'{}' -fsyntax-only '{}'", SRBF_COMPILER, folder_.path.string(),
+                    write_source("plain.metal", code(CodeLanguage::msl, false) + code_of_extras(CodeLanguage::msl) +
                                                     map_code_in(CodeLanguage::msl)))));
 }
 
@@ -435,26 +435,28 @@ TEST_F(ShadingCode, RunsAsWgsl) {
     const auto store = [&](std::size_t k, const std::string& three, const std::string& number) {
         return fmt::format("    answers[{}u * i + {}u] = vec4f({}, {});\n", 3 * models().size(), k, three, number);
     };
-    written("code.wgsl",
-            "@group(0) @binding(0) var<storage, read> questions: array<vec4f>;\n"
-            "@group(0) @binding(1) var<storage, read_write> answers: array<vec4f>;\n" +
-                code(CodeLanguage::wgsl) +
-                "@compute @workgroup_size(64) fn main(@builtin(global_invocation_id) at: vec3u) {\n    let i = at.x;\n"
-                "    let wl = questions[3 * i].xyz;\n    let wv = questions[3 * i + 1].xyz;\n"
-                "    let u = questions[3 * i + 2].xyz;\n" +
-                answers_text("0.0", store) + "}\n");
-    written("plain.wgsl",
-            code(CodeLanguage::wgsl, false) + code_of_extras(CodeLanguage::wgsl) + bsdf_in_wgsl() +
-                map_code_in(CodeLanguage::wgsl) +
-                "@group(0) @binding(0) var layers: texture_2d_array<f32>;\n"
-                "@group(0) @binding(1) var linear: sampler;\n"
-                "fn map_layer(j: i32, u: f32, v: f32) -> vec3f {\n"
-                "    return textureSampleLevel(layers, linear, vec2f(u, v), j, 0.0).rgb;\n}\n"
-                "@fragment fn main(@location(0) wl: vec3f, @location(1) wv: vec3f, @location(2) uv: vec2f)\n"
-                "    -> @location(0) vec4f { return vec4f(map_brdf(wl, wv, map_coefficients(uv.x, uv.y)), 1.0); }\n");
+    write_source(
+        "code.wgsl",
+        "@group(0) @binding(0) var<storage, read> questions: array<vec4f>;\n"
+        "@group(0) @binding(1) var<storage, read_write> answers: array<vec4f>;\n" +
+            code(CodeLanguage::wgsl) +
+            "@compute @workgroup_size(64) fn main(@builtin(global_invocation_id) at: vec3u) {\n    let i = at.x;\n"
+            "    let wl = questions[3 * i].xyz;\n    let wv = questions[3 * i + 1].xyz;\n"
+            "    let u = questions[3 * i + 2].xyz;\n" +
+            answers_text("0.0", store) + "}\n");
+    write_source(
+        "plain.wgsl",
+        code(CodeLanguage::wgsl, false) + code_of_extras(CodeLanguage::wgsl) + bsdf_in_wgsl() +
+            map_code_in(CodeLanguage::wgsl) +
+            "@group(0) @binding(0) var layers: texture_2d_array<f32>;\n"
+            "@group(0) @binding(1) var linear: sampler;\n"
+            "fn map_layer(j: i32, u: f32, v: f32) -> vec3f {\n"
+            "    return textureSampleLevel(layers, linear, vec2f(u, v), j, 0.0).rgb;\n}\n"
+            "@fragment fn main(@location(0) wl: vec3f, @location(1) wv: vec3f, @location(2) uv: vec2f)\n"
+            "    -> @location(0) vec4f { return vec4f(map_brdf(wl, wv, map_coefficients(uv.x, uv.y)), 1.0); }\n");
     std::string bytes(questions().size() * sizeof(Question), '\0');
     std::memcpy(bytes.data(), questions().data(), bytes.size());
-    written("questions", bytes);
+    write_source("questions", bytes);
     const int status = std::system(
         fmt::format("PYTHONDONTWRITEBYTECODE=1 python3 '{}/test/wgsl.py' '{}' {} > '{}' 2>&1", SRBF_SOURCE_DIR,
                     folder_.path.string(), models().size() * sizeof(Answer) / sizeof(Question), path("output"))
@@ -480,7 +482,7 @@ TEST_F(ShadingCode, BlendsAreSums) {
             "    f[0] = w.x;\n    for (i = 0; i < 3; ++i) f[i + 1] = m[i].x;\n    f += 4;\n",
             call, ", s)");
     };
-    void* const library = compiled(
+    void* const library = compile_and_load(
         SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Wno-unused-function -Werror", "blend",
         text(CodeLanguage::c) +
             "void answer(const float* q, const float* weights, float* f);\n"
@@ -559,12 +561,12 @@ TEST_F(ShadingCode, RunsViewByView) {
     const std::vector<float> data = shading_data(su);
     const auto text = checked(shading_code(named, "su", {.language = CodeLanguage::c}));
     void* const library =
-        compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Werror", "su",
-                 "static const float* data;\n#define su_number(i) data[i]\n" + *text +
-                     "void answer(const float* numbers, const float* q, float* f);\n"
-                     "void answer(const float* numbers, const float* q, float* f) {\n"
-                     "    srbf_vec3 wl = {q[0], q[1], q[2]}, wv = {q[4], q[5], q[6]}, w;\n"
-                     "    data = numbers, w = su_brdf(wl, wv);\n    f[0] = w.x, f[1] = w.y, f[2] = w.z;\n}\n");
+        compile_and_load(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Werror", "su",
+                         "static const float* data;\n#define su_number(i) data[i]\n" + *text +
+                             "void answer(const float* numbers, const float* q, float* f);\n"
+                             "void answer(const float* numbers, const float* q, float* f) {\n"
+                             "    srbf_vec3 wl = {q[0], q[1], q[2]}, wv = {q[4], q[5], q[6]}, w;\n"
+                             "    data = numbers, w = su_brdf(wl, wv);\n    f[0] = w.x, f[1] = w.y, f[2] = w.z;\n}\n");
     ASSERT_TRUE(library);
     const auto answer = function<void(const float*, const float*, float*)>(library, "answer");
     float peak = 0;

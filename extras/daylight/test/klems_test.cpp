@@ -12,7 +12,7 @@ namespace srbf::klems_test {
 namespace {
 
 Result<Measured> read(const std::string& text) { return read_measured(as_bytes(text), "f"); }
-std::string replaced(std::string text, const std::string& what, const std::string& replacement) {
+std::string replace_once(std::string text, const std::string& what, const std::string& replacement) {
     const auto position = text.find(what);
     EXPECT_NE(position, text.npos) << what;
     return position == text.npos ? text : text.replace(position, what.size(), replacement);
@@ -255,7 +255,7 @@ TEST(Klems, RefusesBadFiles) {
              {"<Optical>", "<Optics>", "XML: expected a well-formed file"},
              {"</WindowElement>", "", "XML: expected a well-formed file"},
              {"<WindowElement ", "<!DOCTYPE x [<!ENTITY a \"b\">]><WindowElement ", "no document type"}}) {
-        const std::string found = error_text(read(replaced(good, what, replacement)));
+        const std::string found = error_text(read(replace_once(good, what, replacement)));
         EXPECT_CONTAINS(found, error) << what << " → " << replacement;
         EXPECT_LACKS(found, "\n");
     }

@@ -11,7 +11,7 @@
 namespace srbf::environment_code_test {
 namespace {
 
-class EnvironmentCode : public WrittenCode {};
+class EnvironmentCode : public CodeTest {};
 
 /// The draws are from an environment whose radiance hardly changes over the solid angle of one.
 TEST_F(EnvironmentCode, DrawsAreOfTheEnvironment) {
@@ -23,7 +23,7 @@ TEST_F(EnvironmentCode, DrawsAreOfTheEnvironment) {
     EXPECT_CONTAINS(text(CodeLanguage::wgsl), "fn glossy_environment_sampled(wv: vec3f, count: i32)");
     EXPECT_LACKS(text(CodeLanguage::msl), "glossy_environment_sampled(");
     EXPECT_CONTAINS(text(CodeLanguage::msl), "glossy_environment_draw(");
-    void* const library = compiled(
+    void* const library = compile_and_load(
         SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "draws",
         text(CodeLanguage::c) +
             "static srbf_vec3 glossy_radiance_over(srbf_vec3 direction, float solid_angle) {\n"
@@ -80,14 +80,14 @@ TEST_F(EnvironmentCode, EnvironmentsAreThoseOfTheLibrary) {
     EXPECT_LACKS(metal, "glossy_environment(");
     EXPECT_CONTAINS(metal, "glossy_environment_lobe(");
     void* const library =
-        compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "environment",
-                 text(CodeLanguage::c) +
-                     "static srbf_vec3 glossy_radiance(srbf_vec3 direction, float roughness) {\n"
-                     "    return srbf_vec3_of(1.0f + direction.x, 1.0f + direction.z, roughness);\n}\n"
-                     "void answer(const float* v, float* to);\n"
-                     "void answer(const float* v, float* to) {\n"
-                     "    srbf_vec3 wv = {v[0], v[1], v[2]}, f = glossy_environment(wv);\n"
-                     "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n}\n");
+        compile_and_load(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "environment",
+                         text(CodeLanguage::c) +
+                             "static srbf_vec3 glossy_radiance(srbf_vec3 direction, float roughness) {\n"
+                             "    return srbf_vec3_of(1.0f + direction.x, 1.0f + direction.z, roughness);\n}\n"
+                             "void answer(const float* v, float* to);\n"
+                             "void answer(const float* v, float* to) {\n"
+                             "    srbf_vec3 wv = {v[0], v[1], v[2]}, f = glossy_environment(wv);\n"
+                             "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n}\n");
     ASSERT_TRUE(library);
     const auto answer = function<void(const float*, float*)>(library, "answer");
     const ExtendedLight& light = light_of_glossy();
@@ -158,14 +158,14 @@ LobeIntegral lobe_integral(std::span<const ExtendedLight::Lobe> lobes, const Vec
 TEST_F(EnvironmentCode, AreaLightsAreIntegralsOfTheLobes) {
     const Model& model = glossy();
     const NamedModel named{"glossy", &model};
-    void* const library =
-        compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "area",
-                 *shading_code(std::span(&named, 1), "glossy", {.language = CodeLanguage::c, .with = {"area"}}) +
-                     "void answer(const float* v, const float* p, float* to);\n"
-                     "static srbf_vec3 of(const float* p) { return srbf_vec3_of(p[0], p[1], p[2]); }\n"
-                     "void answer(const float* v, const float* p, float* to) {\n"
-                     "    srbf_vec3 f = glossy_area(of(v), of(p), of(p + 3), of(p + 6), of(p + 9));\n"
-                     "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n}\n");
+    void* const library = compile_and_load(
+        SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "area",
+        *shading_code(std::span(&named, 1), "glossy", {.language = CodeLanguage::c, .with = {"area"}}) +
+            "void answer(const float* v, const float* p, float* to);\n"
+            "static srbf_vec3 of(const float* p) { return srbf_vec3_of(p[0], p[1], p[2]); }\n"
+            "void answer(const float* v, const float* p, float* to) {\n"
+            "    srbf_vec3 f = glossy_area(of(v), of(p), of(p + 3), of(p + 6), of(p + 9));\n"
+            "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n}\n");
     ASSERT_TRUE(library);
     const auto called = function<void(const float*, const Vec3f*, float*)>(library, "answer");
     const auto green = [&](const Vec3f& wv, const std::array<Vec3f, 4>& corners) {
@@ -214,7 +214,7 @@ void expect_near_colour(const Rgb& found, const Rgb& expected, float relative, c
 /// of a mean of coefficients is the mean.
 TEST_F(EnvironmentCode, LightOfMapsIsLinear) {
     const TexelMap map = map_of(5, 2);
-    void* const library = compiled(
+    void* const library = compile_and_load(
         SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "light",
         lit_code(map, CodeLanguage::c) +
             "static const float* at;\n"
@@ -282,16 +282,16 @@ TEST_F(EnvironmentCode, UnrolledLoopsComputeTheSame) {
     for (const bool unrolled : {false, true}) {
         texts[unrolled] = *environment_code(std::span(&named, 1), "film", {.language = CodeLanguage::c},
                                             {.area = true, .lobes = 3, .fixed = true, .unrolled = unrolled});
-        void* const library =
-            compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror",
-                     unrolled ? "unrolled" : "loops",
-                     texts[unrolled] +
-                         "static srbf_vec3 of(const float* p) { return srbf_vec3_of(p[0], p[1], p[2]); }\n"
-                         "void answer(const float* v, const float* p, float* to);\n"
-                         "void answer(const float* v, const float* p, float* to) {\n"
-                         "    srbf_vec3 f = film_brdf(of(p), of(v));\n    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
-                         "    f = film_area(of(v), of(p), of(p + 3), of(p + 6), of(p + 9));\n"
-                         "    to[3] = f.x, to[4] = f.y, to[5] = f.z;\n}\n");
+        void* const library = compile_and_load(
+            SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror",
+            unrolled ? "unrolled" : "loops",
+            texts[unrolled] +
+                "static srbf_vec3 of(const float* p) { return srbf_vec3_of(p[0], p[1], p[2]); }\n"
+                "void answer(const float* v, const float* p, float* to);\n"
+                "void answer(const float* v, const float* p, float* to) {\n"
+                "    srbf_vec3 f = film_brdf(of(p), of(v));\n    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
+                "    f = film_area(of(v), of(p), of(p + 3), of(p + 6), of(p + 9));\n"
+                "    to[3] = f.x, to[4] = f.y, to[5] = f.z;\n}\n");
         ASSERT_TRUE(library);
         answers[unrolled] = function<void(const Vec3f*, const Vec3f*, Rgb*)>(library, "answer");
     }

@@ -35,7 +35,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Lets allocation number `at` of `action` fail. True if it makes as many.
+/// Makes allocation number `at` of `action` fail. Returns true if it makes so many.
 template <typename Action> bool fails(std::size_t at, const Action& action) {
     allocations = 0, fails_at = at;
     action();

@@ -17,7 +17,7 @@
 namespace srbf::edit_test {
 namespace {
 
-/// A material of facets, and the fit that `srbf fit` made of it: test/edit/NAME.srbf.
+/// A material of facets, and the model that `srbf fit` fitted to it: test/edit/NAME.srbf.
 struct Material {
     const char* name;
     GgxModel truth;
@@ -218,7 +218,7 @@ TEST(Edit, CoatedFitsAreLawful) {
     }
 }
 
-/// Against light that walks between interface and base, in bins of directions of which each gets hundreds of paths.
+/// Coated models agree with simulated paths in bins of directions, of which each gets hundreds of paths.
 TEST(Edit, CoatsLookLikeWalksBetweenTheirLayers) {
     constexpr int k_paths = 60000;
     for (const auto& [material, roughness] : {std::pair(std::size_t(0), 0.1), {1, 0.1}, {1, 0.3}}) {

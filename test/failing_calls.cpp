@@ -1,7 +1,7 @@
-// Fault injection: makes one system call or allocation of a program fail. LD_PRELOAD loads this library before the C library. From main()
-// on, call number SRBF_FAIL_AT (from 0) of the kind SRBF_FAIL_CALL fails with the number SRBF_FAIL_ERROR, kills the
-// program if that is 0, or stops it before the call if that is -1.
-// At the end the number of calls of the kind is written to SRBF_FAIL_COUNT.
+// Fault injection: makes one system call or allocation of a program fail. LD_PRELOAD loads this library before the C
+// library. From main() on, call number SRBF_FAIL_AT (from 0) of the kind SRBF_FAIL_CALL fails with the number
+// SRBF_FAIL_ERROR, kills the program if that is 0, or stops it before the call if that is -1. At the end the number of
+// calls of the kind is written to SRBF_FAIL_COUNT.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/mman.h>

@@ -58,7 +58,7 @@ class Failures : public CommandLine {
         ::unsetenv("LD_PRELOAD");
         return result;
     }
-    /// Runs the task with a failure. `calls`: the number of calls of that kind, if the program ended normally.
+    /// Runs the task with a failure. `calls` becomes the number of calls of that kind, if the program ended normally.
     ProgramRun run_with(const Task& task, const Failure& failure, std::optional<long>& calls) {
         const TemporaryFolder count_folder;
         const std::string count = count_folder / "count";

@@ -26,14 +26,14 @@ float fresnel(float cosine, float index) {
                 p = (index * index * cosine - across) / (index * index * cosine + across);
     return 0.5f * (s * s + p * p);
 }
-/// Both faces of a slab, with all that goes to and fro between them.
+/// The reflectance of both faces of a slab, with all reflections between them.
 float slab_reflectance(float cosine) {
     const float F = fresnel(cosine, 1.5f);
     return 2 * F / (1 + F);
 }
 
 /// A thin slab with rough faces whose refractions cancel: the light is spread about the mirror direction and about the
-/// one straight through. The two sides are alike.
+/// direction straight through. The two sides are alike.
 std::array<Evaluate, k_parts> rough_slab() {
     const auto reflected = evaluate_by([](Vec3f wl, Vec3f wv) {
         return grey(K::ggx_facets(wl, wv, 0.25f) * slab_reflectance(cosine_to_half(wl, wv)));

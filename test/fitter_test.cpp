@@ -58,7 +58,7 @@ struct Bound {
     double delta_e, rms, albedo_error;  // 1.1 times the errors of version 0.1, which a failure prints
 };
 
-/// The fit of all defaults, made once.
+/// The fit with default options, which is made once.
 const FitOutcome& default_fit(const std::string& name) {
     static std::map<std::string, Result<FitOutcome>> made;
     const auto at = made.find(name);
@@ -78,7 +78,7 @@ TEST_P(DefaultFit, StaysWithinItsRecordedErrors) {
     EXPECT_EQ(outcome().model.provenance.at("max_theta"), "89");
 }
 
-/// No fit minimises this error.
+/// The error of albedos, which no fit minimises, stays within its bound, too.
 TEST_P(DefaultFit, StaysWithinItsRecordedErrorsOfAlbedo) {
     EXPECT_LE(outcome().errors->albedo_error, GetParam().albedo_error);
 }
@@ -129,7 +129,7 @@ INSTANTIATE_TEST_SUITE_P(Bundled, DefaultFit,
                                          Bound{"paper_white_rgb", 1.43, 0.0916, 0.0104}),
                          [](const auto& one) { return std::string(one.param.name); });
 
-/// The film with more lobes, and view by view.
+/// Fits of the film with more lobes, and view by view, stay within their bounds.
 TEST(Fitter, LargerModelsStayWithinTheirRecordedErrors) {
     const Measured& measured = bundled("cc_ibiza_sunset_rgb");
     const struct {

@@ -252,7 +252,7 @@ TEST(CallersMode, HasNoEffectAndIsKept) {
         }
 }
 
-/// A file of any kind: models as their files, and values at some pairs.
+/// A measurement or model of any kind as bytes: a model as its file, a measurement as values at some pairs.
 std::string contents_read(const std::filesystem::path& path) {
     std::string read;
     const auto add = [&](const auto& list) {

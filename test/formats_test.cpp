@@ -55,7 +55,7 @@ TEST(Formats, ReadingTakesFourTimesTheFile) {
     expect_frugal("t.binary", write_merl(merl));
 }
 
-/// A Python interpreter with numpy; empty: none.
+/// A Python interpreter that has NumPy; empty if there is none.
 std::string python_with_numpy() {
     for (const std::string python : {"python3", "/usr/bin/python3"})
         if (std::system((python + " -c 'import numpy' >/dev/null 2>&1").c_str()) == 0) return python;

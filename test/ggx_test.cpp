@@ -79,7 +79,8 @@ TEST(Ggx, IsFittedBack) {
     }
 }
 
-/// Two lobes are fitted back from their pictures. One lobe in their place looks more like them if pictures are observed.
+/// Two lobes are fitted back from their pictures. One lobe in their place looks more like them if pictures are
+/// observed.
 TEST(Ggx, IsFittedToVisibleDifferences) {
     std::mt19937_64 random(5);
     const GgxModel truth = random_ggx(random, 2);

@@ -137,7 +137,7 @@ constexpr int k_size = 48;
 /// Pixel (x, y) of one of a preview's three squares.
 Rgb8 pixel(const Image8& image, int square, int x, int y) { return image.at(square * k_size + x, y); }
 
-/// One of them, without its caption.
+/// One of the three squares, without its caption.
 Image8 square(const Image8& image, int which) {
     Image8 out(k_size, k_size);
     for (int y = 0; y < k_size; ++y)

@@ -13,8 +13,8 @@
 namespace srbf::isotropy_test {
 namespace {
 
-/// A rough conductor with the Beckmann distribution, roughness ax along x and ay along y, over a diffuse part:
-/// synthetic.
+/// A synthetic rough conductor with the Beckmann distribution, of roughness ax along x and ay along y, over a diffuse
+/// part.
 Evaluate brushed(double ax, double ay) {
     return [=](auto wl, auto wv, auto f) {
         for (std::size_t i = 0; i < f.size(); ++i) {

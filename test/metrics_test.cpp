@@ -23,7 +23,7 @@ Rgb value(const Glossy& brdf, Vec3f wl, Vec3f wv) {
     return {f, 0.5f * f, 0.25f * f};
 }
 
-/// Nothing measured where wl is left of the normal.
+/// A BRDF without values for lights of negative x.
 struct Holed {
     Glossy brdf;
 };

@@ -11,7 +11,7 @@
 namespace srbf::noise_test {
 namespace {
 
-/// About normally distributed, of variance 1, independent for other directions or another channel.
+/// A number that is about normally distributed, of variance 1, and independent for each pair and channel.
 float noise_at(Vec3f wl, Vec3f wv, std::uint32_t channel) {
     // splitmix64 of the bits of the numbers; the sum of twelve uniform numbers of 16 bits
     const auto mixed = [](std::uint64_t x) {

@@ -1,4 +1,4 @@
-// These tests are of observations: what a fit knows of a BRDF.
+// Observations: the values of a BRDF that a fit knows.
 #include <map>
 
 #include "errors/sphere.h"

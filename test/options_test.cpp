@@ -216,11 +216,11 @@ TEST_F(Options, AreReadOrRefused) {
 }
 
 #ifdef SRBF_FAILING_CALLS
-/// A command that can resume, and its input.
+/// A command that can resume, and the name of its input.
 const Arguments k_resuming = words(k_folder);
 constexpr const char* k_resumed_input = "table.binary";
 
-/// Another measurement.
+/// The content of another measurement, which differs in one bit.
 std::string changed_content(std::string content) {
     content[content.size() - 2] = char(content[content.size() - 2] ^ 1);  // a bit of the last number
     return content;
@@ -245,8 +245,8 @@ class Resuming : public Options {
         std::filesystem::copy(partial_output / "o", folder / "o", std::filesystem::copy_options::recursive);
         return run_and_collect(arguments + Arguments{"--resume"});
     }
-    /// Expects that a resumed run writes the same files as a fresh one, `expected`. Returns false without running if the
-    /// command is rejected.
+    /// Expects that a resumed run writes the same files as a fresh one, `expected`. Returns false without running if
+    /// the command is rejected.
     bool expect_resumed(const Arguments& arguments, const Written& expected) {
         SCOPED_TRACE(fmt::format("{}", fmt::join(arguments, " ")));
         if (expected.status != 0) return false;

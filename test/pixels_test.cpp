@@ -19,7 +19,7 @@ double delta_e(const Triplet& a, const Triplet& b) {
 struct Case {
     std::vector<Triplet> reference, other;
     Pixels pixels = Pixels(reference);
-    /// Their columns from the first of a block on.
+    /// The columns of the other colours from the first pixel of a block on.
     Aligned<float> columns(std::size_t block = 0) const {
         Aligned<float> columns(3 * k_block);
         for (std::size_t p = block * k_block; p < std::min(other.size(), (block + 1) * k_block); ++p)

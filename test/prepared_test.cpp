@@ -371,7 +371,7 @@ TEST_F(Prepared, LoadedBrdfsAreExchangedAndHaveTheirAzimuths) {
     }
 }
 
-/// Handles as a caller's struct has them before they are assigned.
+/// Prepared BRDFs without content, as members of a caller's struct before they are assigned.
 struct Material {
     LoadedBrdf loaded;
     PreparedBrdf prepared;

@@ -106,7 +106,7 @@ TEST_F(Refusal, OptionsThatAModeDoesNotReadAreRefused) {
     expect_failure(2, {"fit", "m.binary", "-o", "-h"}, "--output: expected a text, found the option -h");
 }
 
-/// Options of samples with models, maps and texels of maps.
+/// Models, maps and texels of maps refuse the options of samples.
 TEST_F(Refusal, OptionsOfSamplesAreRefusedForModels) {
     write_text(folder / "m.binary", small_merl());
     std::mt19937_64 random(1);

@@ -73,7 +73,7 @@ class RuntimeHeader : public CodeTest {
   protected:
     RuntimeHeader() { write_source("srbf_runtime.h", runtime_code()); }
 
-    /// Compiled once for all tests.
+    /// The header, compiled once for all tests.
     const Runtime& compiled_runtime(const std::string& options, const std::string& compiler = "gcc") {
         static std::map<std::string, Runtime> made;
         if (const auto at = made.find(compiler + options); at != made.end()) return at->second;

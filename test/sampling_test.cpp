@@ -168,7 +168,7 @@ TEST_F(Sampling, SamplesFollowDensitiesThatIntegrateToOne) {
     for (const Model& surface : surfaces()) check("facets", evaluator(surface), propose(surface));
 }
 
-/// Down to views a hundredth of a degree above the horizon, and for the narrowest facets.
+/// Weights are bounded down to views a hundredth of a degree above the horizon, also for the narrowest facets.
 TEST_F(Sampling, WeightsOfFacetsAreBounded) {
     std::vector<Model> models = surfaces();
     for (const float roughness : {0.002f, 0.02f, 0.1f, 0.5f, 1.f})
@@ -427,7 +427,7 @@ TEST_F(Sampling, LobesStretchAlongTheGrain) {
         }
 }
 
-/// f = 1/π as a model.
+/// The BRDF f = 1/π as a model.
 PmModel white() {
     PmModel model;
     model.lobes = model.variates = 1;

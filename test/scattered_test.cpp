@@ -318,7 +318,7 @@ TEST(ScatteredSamples, MaskMissingValues) {
               0u);
 }
 
-/// Every format masks such a number, or has none by its own rule: nowhere is it a value.
+/// No format reads such a number as a value: it is masked, or excluded by a rule of the format.
 TEST(Formats, MasksNumbersThatStandForNoValue) {
     const TableSource source{[](auto wl, auto wv, auto f) {
                                  for (std::size_t i = 0; i < f.size(); ++i) {  // the detector hides the light
@@ -547,7 +547,7 @@ TEST(Csv, RefusesAmbiguousColumns) {
     EXPECT_TRUE(is_isotropic(*isotropic));
 }
 
-/// A row for each wavelength, one angle for light and viewer, and multi-angle instruments.
+/// Layouts with a row for each wavelength, with one angle for light and viewer, and of multi-angle instruments.
 TEST(Csv, ReadsOtherLayouts) {
     const auto rows =
         checked(read(read_csv,
@@ -600,7 +600,7 @@ ScatteredSamples samples_of(const std::function<Rgb(Vec3d, Vec3d)>& f, int count
     return s;
 }
 
-/// One of several files, with the angle of the light in its header as goniophotometers of pab have it.
+/// A file of one angle of the light, which stands in its header, as goniophotometers of pab write it.
 Measured scan_at(int theta, std::string_view angles, std::string_view value = "BSDF") {
     std::string text = fmt::format("#sample_name \"paint\"\n#date 2026-11-{} 10:30\n", theta);
     text += fmt::format(fmt::runtime(angles), theta) + fmt::format("\n#format: theta phi {}\n", value);

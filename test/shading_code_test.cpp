@@ -159,8 +159,8 @@ Answers expected() {
     return answers;
 }
 
-/// Ten times the usual tolerance for thin films: a phase of tens of radians loses a digit in shaders that fuse
-/// other products.
+/// The tolerance is ten times the usual one for thin films, because a phase of tens of radians loses a digit in
+/// shaders that fuse other products.
 double tolerance(const Model& model) {
     const auto* const openpbr = std::get_if<OpenPbrModel>(&model.model);
     return openpbr && openpbr->thin_film_weight > 0 ? 10 : 1;
@@ -268,7 +268,7 @@ TEST_F(ShadingCode, RunsAsCAndCpp) {
     expect_compiled(SRBF_CLANG " -x c -std=c99 -pedantic", header, "srbf_vec3", "c_of_clang", "-Ofast");
 }
 
-/// Renderers are often compiled so: sums are reordered, and all numbers taken for finite.
+/// Renderers are often compiled with -ffast-math, which reorders sums and takes all numbers for finite.
 TEST_F(ShadingCode, FastMathKeepsItsValues) {
     expect_compiled(SRBF_COMPILER " -x c -std=c99", code_in_c(), "srbf_vec3", "c_fast", "-O2 -ffast-math");
     void* const headers = compile_and_load(

@@ -75,8 +75,8 @@ inline const Arguments k_quick_fit{"fit", "--model",     "su",  "--directions", 
 /// The command line in a folder of its own.
 class CommandLine : public testing::Test {
   protected:
-    /// Runs the program in `folder`, and expects `status`, one line on standard error that contains `named`, and nothing else. Skips
-    /// subcommands of extras that are not built.
+    /// Runs the program in `folder`, and expects `status`, one line on standard error that contains `named`, and
+    /// nothing else. Skips subcommands of extras that are not built.
     void expect_failure(int status, const Arguments& arguments, const std::string& named, std::string out = {}) {
         if (!is_offered(arguments)) return;
         SCOPED_TRACE(fmt::format("{}", fmt::join(arguments, " ")));

@@ -8,8 +8,9 @@
 
 namespace srbf {
 
-/// Random walks of light between the facets of the interface and the material. The interface is the random surface of Heitz et al., "Multiple-Scattering Microfacet BSDFs with the Smith
-/// Model", 2016, so that light that meets it several times is not lost. The material is Lambert and one lobe of GGX.
+/// Random walks of light between the facets of the interface and the material. The interface is the random surface of
+/// Heitz et al., "Multiple-Scattering Microfacet BSDFs with the Smith Model", 2016, so that light that meets it several
+/// times is not lost. The material is Lambert and one lobe of GGX.
 class MicrosurfaceWalk {
   public:
     MicrosurfaceWalk(const GgxModel& base, double roughness, double ior) : base_(base), alpha_(roughness), ior_(ior) {}
@@ -103,8 +104,8 @@ class MicrosurfaceWalk {
     double alpha_, ior_;
 };
 
-/// The BRDF estimated from paths: `approximation` times the ratio of the simulated to the approximated light in each bin
-/// of directions. Bins are equal steps of sin²θ of viewer and light and of the azimuth between them. The BRDF is
+/// The BRDF estimated from paths: `approximation` times the ratio of the simulated to the approximated light in each
+/// bin of directions. Bins are equal steps of sin²θ of viewer and light and of the azimuth between them. The BRDF is
 /// symmetrized.
 class SimulatedCoat {
   public:

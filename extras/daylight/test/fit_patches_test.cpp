@@ -88,7 +88,7 @@ double total(const AnyBrdf& brdf, Part part, double theta) {
     return sum;
 }
 
-/// What is read, fitted, written and read again has the same totals, whether its parts scatter, have beams, both or
+/// Reading, fitting, and writing and reading again keep the totals, whether parts scatter, have beams, both or
 /// neither. The side that a file lacks is like the other one. At 90° a mirror rises to what is not scattered, and what
 /// passes falls to 0.
 TEST(FitPatches, TotalsAreKept) {

@@ -156,7 +156,7 @@ TEST(TensorTree, MeanOfAShadeAgreesWithRadiance) {
     EXPECT_WITHIN(k_pi * sum, 0.0764561, 1e-7);
 }
 
-/// What is written is read as the same matrices and written again as the same bytes, for each of the bases.
+/// A file that is written is read as the same matrices and written again as the same bytes, for each of the bases.
 TEST(BsdfXml, WriteReadIdentity) {
     const auto measured = checked(read(small_shade()));
     const std::string written = write_bsdf_xml(std::get<BsdfTable>(measured->table));

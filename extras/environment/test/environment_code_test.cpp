@@ -69,7 +69,7 @@ const ExtendedLight& light_of_glossy() {
     return light;
 }
 
-/// Under an environment that a host supplies, whose radiance tells where and how blurred it is asked.
+/// The code agrees with the library under an environment of the host whose radiance depends on direction and blur.
 TEST_F(EnvironmentCode, EnvironmentsAreThoseOfTheLibrary) {
     const NamedModel named{"glossy", &glossy()};
     const auto text = [&](CodeLanguage language) {
@@ -153,8 +153,8 @@ LobeIntegral lobe_integral(std::span<const ExtendedLight::Lobe> lobes, const Vec
     return integral;
 }
 
-/// The code's area light against its lobes, integrated over the directions of quadrilaterals near and far, some of them
-/// across the horizon; small ones against the BRDF; all directions together are the albedo.
+/// The code's area lights agree with integrals of lobes over the directions of quadrilaterals near and far, some of
+/// them across the horizon; small ones agree with the BRDF; all directions together give the albedo.
 TEST_F(EnvironmentCode, AreaLightsAreIntegralsOfTheLobes) {
     const Model& model = glossy();
     const NamedModel named{"glossy", &model};
@@ -210,8 +210,8 @@ void expect_near_colour(const Rgb& found, const Rgb& expected, float relative, c
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], relative * expected[c] + 1e-30f) << about;
 }
 
-/// The radiance of an even environment is reflected by the albedo, and that of a large quadrilateral near the surface; both
-/// of a mean of coefficients is the mean.
+/// The radiance of a uniform environment is reflected by the albedo, and that of a large quadrilateral near the
+/// surface; both of a mean of coefficients is the mean.
 TEST_F(EnvironmentCode, LightOfMapsIsLinear) {
     const TexelMap map = map_of(5, 2);
     void* const library = compile_and_load(

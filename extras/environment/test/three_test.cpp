@@ -62,7 +62,7 @@ double psnr(const std::string& rgba, const Image8& picture, const std::vector<fl
     return count > 0 ? 10 * std::log10(255 * 255 * count / std::max(squares, 1e-3)) : 0;
 }
 
-/// A script has this status and output after it has run on the folder.
+/// Status and output of a script that has run on the folder.
 struct Said {
     int status;
     std::string text;
@@ -89,14 +89,14 @@ std::vector<Model> drawn_models() {
 constexpr std::array<const char*, 3> k_classes{"FilmMaterial", "BrushedXMaterial", "GgxMaterial"},
     k_meshes{"ball", "knot", "sphere"};
 
-/// Scenes for three.js, and what the desktop shows of them where there is something.
+/// Scenes for three.js, with the pictures of the desktop where there are some.
 struct Expected {
     Json scenes;
     std::vector<Image8> pictures;
     std::vector<std::vector<float>> covered;
 };
 
-/// Under directional lights, by the rasterizer.
+/// The picture of the rasterizer under directional lights.
 void add_rasterized(Expected& to, const std::vector<Model>& models, Dialect dialect) {
     for (std::size_t i = 0; i < k_classes.size(); ++i) {
         const Scene scene = scene_of(page_mesh(k_meshes[i]), {}, double(k_width) / k_height);

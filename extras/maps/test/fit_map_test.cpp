@@ -23,7 +23,7 @@ PmModel lobes_of_three() {
     return model;
 }
 
-/// Two texels.
+/// A map of two texels.
 TexelMap some_map() {
     TexelMap map;
     map.basis = lobes_of_three();
@@ -147,7 +147,7 @@ TEST(FitMap, CoefficientsOfTexelsAreBoundedTowardsTheHorizon) {
 }
 
 /// Texels of one value each, with noise of 2 %: shared lobes invent nothing between the samples, and the stored
-/// coefficients have the error that is told.
+/// coefficients have the error that is reported.
 TEST(FitMap, MatteTexelsHaveNoHighlights) {
     std::mt19937_64 random(7);
     std::vector<Vec3f> wl, wv;

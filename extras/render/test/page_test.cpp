@@ -34,10 +34,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// More corners than 16 bits tell apart.
+/// A mesh with more corners than 16 bits can number.
 Mesh own_mesh() { return knot(1100, 60); }
 
-/// A measurement and a model of each kind: what each material's shader is tried with.
+/// A page with a measurement and a model of each kind.
 Page all_kinds() {
     static const Measured film = *load_measured(bundled_data() / "cc_ibiza_sunset_rgb.bsdf");
     static const MerlTable table = to_merl(evaluator(film), k_page_table);
@@ -343,7 +343,7 @@ Scene scene_in(const Json& picture) {
     return drawn;
 }
 
-/// Its picture under the environment, by paths.
+/// The picture of that scene under the environment, by paths.
 Image8 traced_picture(const Json& picture, const Material& material) {
     const Scene scene = scene_in(picture);
     const Vec3d from = scene.camera.eye - scene.camera.target;
@@ -376,7 +376,7 @@ Image8 traced_picture(const Json& picture, const Material& material) {
     return shown(render_paths(paths, options).rendering, picture["scene"]["exposure"]);
 }
 
-/// Its picture by the desktop's library.
+/// The picture of that scene by the desktop's rasterizer.
 Image8 desktop_picture(const Json& picture, const RasterMaterial& material) {
     const int width = picture.at("width"), height = picture.at("height");
     const auto target = RasterTarget::make(width, height, 4, RasterTarget::Format::bytes);
@@ -388,7 +388,7 @@ Image8 desktop_picture(const Json& picture, const RasterMaterial& material) {
     return target->read_bytes();
 }
 
-/// The horizontal middle of what is brightest.
+/// The mean column of the brightest pixels.
 double middle_of_highlights(const std::string& rgba, int width) {
     double sum = 0, weight = 0;
     for (std::size_t i = 0; i < rgba.size() / 4; ++i) {
@@ -457,7 +457,7 @@ StepPictures compared_pictures(const Page& page, const Json& pictures, const Tem
     return steps;
 }
 
-/// Expects what a step changes and what it keeps.
+/// Expects that each step changes what it should, and keeps the rest.
 void expect_changes(StepPictures& steps) {
     auto& [states, pixels, count] = steps;
     EXPECT_EQ(states["one"]["material"], 1);

@@ -388,7 +388,7 @@ TEST(Rays, AreBlackAtPointsWithoutMeasurement) {
     EXPECT_EQ(picture.rendering.radiance.at(12, 12), Rgb{});
 }
 
-/// Nobody grazes a surface by less than 0.01, also not where an interpolated normal points away.
+/// Cosines of views are at least 0.01, also where an interpolated normal points away.
 TEST_F(Path, TheRimIsBounded) {
     PathScene scene = sphere_scene(prepare(Grazing{}, CosineProposal{}), &uniform_light());
     PathOptions options = small(4, 128);

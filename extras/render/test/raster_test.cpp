@@ -64,7 +64,7 @@ class Raster : public OpenGLTest {
         return {surface->read_positions(), surface->read_normals()};
     }
 
-    /// In one pass, or in two.
+    /// The picture drawn in one pass, or in two.
     Image8 shown(const Scene& scene, const Material& material, float exposure, PixelInput input) {
         constexpr auto bytes = RasterTarget::Format::bytes;
         const RasterMesh mesh(scene.mesh);
@@ -228,7 +228,7 @@ TEST_P(Raster, MeasurementsLookAsOnTheCpu) {
     MerlTable table = to_merl(evaluator(film()));
     EXPECT_GE(psnr(table, sphere_scene()), 45);
     EXPECT_GE(psnr(table, knot_scene()), 45);
-    // What was not measured shows as such, not as what is beside it.
+    // Points that were not measured do not take the colour of their neighbours.
     for (std::size_t i = 0; i < table.cells.size(); ++i)
         if (i / 180 % 90 > 20) table.cells[i].r = table.cells[i].g = table.cells[i].b = std::nanf("");
     EXPECT_GE(psnr(table, sphere_scene()), 30);

@@ -8,7 +8,12 @@ function(test_options target level)
                         hwy::hwy nlohmann_json::nlohmann_json fmt::fmt)
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/test
                              ${PROJECT_SOURCE_DIR}/test/support)
-  target_compile_definitions(${target} PRIVATE SRBF_IS_SANITIZED=$<BOOL:${SRBF_SANITIZE}>)
+  if(SRBF_SANITIZE)
+    set(sanitized 1)
+  else()
+    set(sanitized 0)
+  endif()
+  target_compile_definitions(${target} PRIVATE SRBF_IS_SANITIZED=${sanitized})
   target_compile_options(${target} PRIVATE ${level})
   set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE OFF)  # as in main.cpp: both share precompiled headers
   precompiled(${target} tests_main${level} <algorithm> <cmath> <filesystem> <fstream> <functional> <map> <random> <string>

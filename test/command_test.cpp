@@ -49,7 +49,7 @@ class Command : public CommandLine {
 
 TEST_F(Command, ExportWritesAPageOrNothing) {
     SKIP_UNDER_SANITIZERS("takes too long");
-    if (!is_offered({"html"})) GTEST_SKIP() << "without pages";
+    if (!is_built({"html"})) GTEST_SKIP() << "without pages";
     const Arguments page{"export", *fitted / "m.srbf", "--to", "html"};
     const ProgramRun alone = run_ok(folder, page + Arguments{"-o", "alone.html"});
     EXPECT_EQ(alone.err + alone.out, "");
@@ -116,12 +116,12 @@ TEST_F(Command, ExportWritesAMapOrNothing) {
     const TexelMap map = random_map(random, {.lobes = 3}, 4, 2);
     save(map, "map.srbf");
     for (const char* kind : {"glsl", "hlsl", "wgsl", "msl", "c", "ktx2", "exr", "three"}) {
-        if (!is_offered({kind})) continue;
+        if (!is_built({kind})) continue;
         const ProgramRun result = run_ok(folder, {"export", "map.srbf", "--to", kind, "-o", std::string("o.") + kind});
         EXPECT_EQ(result.err + result.out, "");
     }
     EXPECT_CONTAINS(read_text(folder / "o.glsl"), "vec3 map_brdf(vec3 wl, vec3 wv, map_Coefficients ");
-    if (is_offered({"three"})) {
+    if (is_built({"three"})) {
         EXPECT_CONTAINS(read_text(folder / "o.three"), "new URL('./map.ktx2', import.meta.url)");
         EXPECT_EQ(read_text(folder / "map.ktx2"), read_text(folder / "o.ktx2"));
     }
@@ -132,7 +132,7 @@ TEST_F(Command, ExportWritesAMapOrNothing) {
     EXPECT_LT(read_text(folder / "byte").size(), read_text(folder / "half").size());
     expect_failure(2, start + layers + Arguments{"--coefficients", "none"}, "--coefficients");
     expect_failure(2, start + code + Arguments{"--coefficients", "byte"}, "--coefficients");
-    if (is_offered({"three"}))
+    if (is_built({"three"}))
         expect_failure(1,
                        Arguments{"export", *fitted / "m.srbf", "--to", "three", "--coefficients", "byte", "-o", "x.js"},
                        "--coefficients");
@@ -223,7 +223,7 @@ TEST_F(Command, EvalNamesTheLineAtFault) {
 TEST_F(Command, HelpShowsAnExample) {
     for (const Arguments& subcommand :
          {Arguments{}, {"fit"}, {"info"}, {"eval"}, {"compare"}, {"convert"}, {"render"}, {"completion"}}) {
-        if (!is_offered(subcommand)) continue;
+        if (!is_built(subcommand)) continue;
         const ProgramRun help = run_ok(folder, subcommand + Arguments{"--help"});
         EXPECT_EQ(help.err, "");
         EXPECT_CONTAINS(help.out, "Example");

@@ -127,7 +127,7 @@ struct ExrHeader {
 
 /// Sizes, counts, types and offsets that are impossible for a file of that length.
 TEST_F(Hostile, HeadersOfOpenExrAreBounded) {
-    if (!is_offered({"render"})) GTEST_SKIP() << "without srbf render";
+    if (!is_built({"render"})) GTEST_SKIP() << "without srbf render";
     constexpr std::uint32_t k_max = 0x7fffffff, k_tiled = 0x200;
     const auto tiles = [](std::uint32_t side, char mode) {
         return ExrHeader::attribute("tiles", "tiledesc", little_endian(side, 4) + little_endian(side, 4) + mode);
@@ -195,7 +195,7 @@ TEST_F(Hostile, UnknownInputIsRejectedAfterItsBeginning) {
                                            {"render", k_paper, "-o", "x.png", "--env", name},
                                            {"render", k_paper, "-o", "x.png", "--mesh", name},
                                            {"render", k_paper, "-o", "x.png", "--compare", name}})
-            if (is_offered(arguments)) {
+            if (is_built(arguments)) {
                 EXPECT_LT(peak_memory(folder, arguments), (k_is_sanitized ? 300 : 100) << 20)
                     << arguments[0] << " " << name;
             }
@@ -216,7 +216,7 @@ TEST_F(Hostile, MemoryStaysWithinTheLimit) {
                                            {"render", "m.srbf", "-o", "x.png", "--size", "8x8", "--spp", "1"},
                                            {"export", "m.srbf", "--to", "html", "-o", "x.html"},
                                            k_quick_fit + Arguments{"a.binary", "-o", "x.srbf"}}) {
-            if (!is_offered(arguments)) continue;
+            if (!is_built(arguments)) continue;
             SCOPED_TRACE(fmt::format("{} MB: {}", megabytes, fmt::join(arguments, " ")));
             const ProgramRun result = run_srbf(folder, Arguments{"--max-memory", megabytes} + arguments);
             ++(result.status == 0 ? succeeded : failed);
@@ -226,7 +226,7 @@ TEST_F(Hostile, MemoryStaysWithinTheLimit) {
                 << result.err;
             EXPECT_EQ(result.err.find('\n'), result.err.size() - 1) << result.err;
         }
-    EXPECT_GE(succeeded, is_offered({"render", "html"}) ? 5 : 3);
+    EXPECT_GE(succeeded, is_built({"render", "html"}) ? 5 : 3);
     EXPECT_GE(failed, 1);
     expect_failure(1, {"--max-memory", "500", "render", "m.srbf", "-o", "y.png", "--renderer", "raster"},
                    "no --max-memory");
@@ -529,7 +529,7 @@ TEST_F(Hostile, NamesOfFilesAreOneLine) {
               {"export", name + ".srbf", "--to", name, "-o", name},
               {"info", "--" + name},
               {name}})
-            if (is_offered(arguments)) results.push_back(run_srbf(folder, arguments));
+            if (is_built(arguments)) results.push_back(run_srbf(folder, arguments));
         return results;
     };
     write_text(folder / "b.binary", small_merl());

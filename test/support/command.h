@@ -47,19 +47,18 @@ inline std::map<std::string, Arguments> long_options(const TemporaryFolder& fold
 
 /// True if the program has all extras that the command line needs: subcommands, kinds of `srbf export`, and functions
 /// of its code.
-inline bool is_offered(const Arguments& arguments) {
+inline bool is_built(const Arguments& arguments) {
     static const std::set<std::string> extras{"render",       "map",   "report",  "html",        "exr",
                                               "dds",          "three", "area",    "environment", "environment-draws",
                                               "three-webgpu", "unity", "blender", "osl",         "radiance"};
-    static const std::set<std::string> offered = [] {
+    static const std::set<std::string> built = [] {
         std::string text = run_srbf(TemporaryFolder(), {"completion", "bash"}).out;
         std::ranges::replace(text, '\'', ' ');
         const Arguments all = words(text);
         return std::set<std::string>(all.begin(), all.end());
     }();
-    return std::ranges::all_of(arguments, [](const std::string& argument) {
-        return !extras.contains(argument) || offered.contains(argument);
-    });
+    return std::ranges::all_of(
+        arguments, [](const std::string& argument) { return !extras.contains(argument) || built.contains(argument); });
 }
 
 /// A MERL file of a smooth glossy material.
@@ -78,7 +77,7 @@ class CommandLine : public testing::Test {
     /// Runs the program in `folder`, and expects `status`, one line on standard error that contains `named`, and
     /// nothing else. Skips subcommands of extras that are not built.
     void expect_failure(int status, const Arguments& arguments, const std::string& named, std::string out = {}) {
-        if (!is_offered(arguments)) return;
+        if (!is_built(arguments)) return;
         SCOPED_TRACE(fmt::format("{}", fmt::join(arguments, " ")));
         const auto before = folder.files();
         const ProgramRun failed = run_srbf(folder, arguments, std::move(out));

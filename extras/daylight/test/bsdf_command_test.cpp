@@ -79,7 +79,7 @@ TEST_F(BsdfCommand, ComparesConvertsAndExports) {
         expect_failure(1, {"convert", "shade.srbf", "-o", output}, "expected a BRDF");
     run_ok(folder, {"export", "shade.srbf", "--to", "c", "-o", "shade.h"});
     const std::string code = read_text(folder / "shade.h");
-    if (is_offered({"html"})) {
+    if (is_built({"html"})) {
         run_ok(folder, {"export", "shade.srbf", "--to", "html", "-o", "shade.html"});
         EXPECT_CONTAINS(read_text(folder / "shade.html"), "name='behind'");
     }
@@ -89,7 +89,7 @@ TEST_F(BsdfCommand, ComparesConvertsAndExports) {
          {"shade_bsdf(", "shade_beam(", "shade_reflection_front_brdf", "shade_transmission_front_brdf"})
         EXPECT_CONTAINS(code, function);
     EXPECT_LACKS(code, "shade_sample(");
-    if (!is_offered({"three"})) return;
+    if (!is_built({"three"})) return;
     BsdfModel film;  // each part takes seconds
     film.part[std::size_t(Part::transmission_front)] = random_part(1, {.lobes = 1});
     ASSERT_TRUE(save_model({film, {}}, folder / "film.srbf").ok());
@@ -116,7 +116,7 @@ TEST_F(BsdfCommand, FitsViewByViewAndByLambertAndGgx) {
              {std::vector<std::string>{"export", model + ".srbf", "--to", "c", "-o", model + ".h"},
               {"export", model + ".srbf", "--to", "html", "-o", model + ".html"},
               {"render", model + ".srbf", "--size", "16x12", "--spp", "1", "-o", model + ".png"}}) {
-            if (!is_offered(command)) continue;
+            if (!is_built(command)) continue;
             run_ok(folder, command);
         }
         EXPECT_EQ(std::filesystem::exists(folder / (model + "_reflection_front.data")), model == "su");
@@ -152,7 +152,7 @@ TEST_F(BsdfCommand, FitsAShadeAmongOtherFiles) {
 }
 
 TEST_F(BsdfCommand, AShadeLetsLightIntoARoom) {
-    if (!is_offered({"render"})) GTEST_SKIP() << "without srbf render";
+    if (!is_built({"render"})) GTEST_SKIP() << "without srbf render";
     ASSERT_EQ(fitted.status, 0) << fitted.err;
     run_ok(folder, {"render", "shade.xml", "shade.srbf", "--scene", "room", "--size", "24x16", "--spp", "16", "-o",
                     "room.exr"});

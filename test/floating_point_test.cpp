@@ -32,7 +32,7 @@
 #include "models/ggx/ggx_kind.h"
 #endif
 
-namespace srbf {
+namespace srbf::floating_point_test {
 namespace {
 
 /// Counts of the numbers that the loops read and wrote.
@@ -301,4 +301,4 @@ TEST(CallersMode, HasNoEffectOnReadingFiles) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::floating_point_test

@@ -14,8 +14,8 @@ namespace {
 
 struct CompareCommand {
     std::string reference, other, json;
-    ReadOptions read;      // for the reference
-    double max_theta = 0;  // [degrees]; 0: that of the model, otherwise 80
+    ReadOptions read;      // how the reference is read
+    double max_theta = 0;  // [degrees]; 0: θmax of the model, or else 80
     int threads = 0;
 
     int run() const;

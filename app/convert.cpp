@@ -100,7 +100,7 @@ std::string written_formats() {
 
 using Command = std::shared_ptr<ConvertCommand>;
 
-/// `--directions` and `--max-theta`, of CSV.
+/// Adds `--directions` and `--max-theta`, which the writer of CSV reads.
 std::array<Option, 2> add_csv_options(const Subcommand& sub, const Command& command) {
     const Option directions = sub.add_option("--directions", command->directions,
                                              "CSV of tables and models: all pairs of this many directions, 1 to 1536")
@@ -115,7 +115,7 @@ std::array<Option, 2> add_csv_options(const Subcommand& sub, const Command& comm
     return {directions, max_theta};
 }
 
-/// The options that one writer reads.
+/// Adds the options that a single writer reads, with the conditions under which they are read.
 std::vector<AllowedWhen> add_writer_options(const Subcommand& sub, const Command& command) {
     std::vector<AllowedWhen> allowed;
     for (const Format& format : formats()) {

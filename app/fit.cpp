@@ -12,8 +12,8 @@
 namespace srbf {
 namespace {
 
-/// Which measurements an option applies to. The rows of `AllowedWhen` in fit_command.cpp depend on the command line
-/// alone.
+/// Options that fits of some measurements do not read. `are_read` is true if fits of this measurement do. The rows of
+/// `AllowedWhen` in fit_command.cpp depend on the command line alone.
 struct ReadFor {
     std::vector<std::string_view> options;
     bool are_read;
@@ -33,8 +33,8 @@ Result<Done> check_read(const Measured& measured, const FileFit& fit) {
     const ReadFor rows[] = {
         {{"--variates"},
          !(patches && pm && !pm->size),
-         "a number of lobes too",
-         fmt::format("none, so that sizes of {} are tried", fitted)},
+         "--lobes as well",
+         fmt::format("none: a fit of {} then chooses its size", fitted)},
         {{"--target-delta-e"}, !patches, "a table", fitted},
         {{"--objective", "--max-theta"}, !patches || is_view_by_view, "a table or samples", fitted},
         {{"--channels"}, !(patches && fit.request.spectral), "rgb", "spectral, of " + fitted},
@@ -66,7 +66,7 @@ int fit_file(FileFit fit) {
         picture = preview_of(fit, *measured, outcome->model);
     }
     line.clear();
-    constexpr float k_far_above = 2;  // of samples, the interpolation may exceed 1
+    constexpr float k_far_above = 2;  // the interpolation of samples may exceed 1
     double brightest = 0;
     for (const double theta : {0, 15, 30, 45, 60, 75})
         brightest = std::max(brightest, largest_of(albedo(evaluator(outcome->model), theta * k_degree, k_pi / 2)));

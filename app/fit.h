@@ -14,10 +14,10 @@ struct FileFit {
     std::string preview, json;  // empty: none
     FitRequest request;
     bool exchange = false;                // exchange light and viewer of the measurement
-    ReadOptions read = {};                // for what the file does not state
-    std::string band = {};                // for a two-sided measurement; empty: the default
+    ReadOptions read = {};                // what the file does not state
+    std::string band = {};                // the band of a two-sided measurement; empty: the default
     std::vector<std::string> given = {};  // the options on the command line
-    std::vector<std::string> files = {};  // that `input` names; several are of one sample
+    std::vector<std::string> files = {};  // the files that `input` names; several are of one sample
     double load_seconds = 0;
 };
 
@@ -43,7 +43,7 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
 struct FolderFit {
     std::vector<std::string> inputs;
     std::string folder;    // STEM.srbf and STEM.json of each input STEM.*
-    FileFit each;          // what all fits share: request, reading, band
+    FileFit each;          // the part that all fits share: request, reading, band
     std::string settings;  // the options that the models depend on
     bool resume = false;   // keep earlier results
 };

@@ -51,7 +51,7 @@ void add_files(const Subcommand& sub, FitCommand& command, GivenOptions& options
                        .type_name("FILE");
 }
 
-/// Adds the options of how the measurement is read.
+/// Adds the options for reading the measurement.
 void add_data(const Subcommand& sub, FitCommand& command) {
     sub.add_flag("--exchange", command.fit.exchange,
                  "Exchange light and viewer of the measurement, as renderers do that use the first\n"
@@ -96,14 +96,12 @@ void add_fit(CommandLine& app, int& status) {
             }
         },
         {{{options.picture, options.json},
-          "not with a folder, which has a report of each fit",
+          "needs a single input, without --resume; a folder of models has a report of each fit",
           [command] { return !command->into_folder(); }},
          {{options.as_one},
-          "for several inputs, of which it makes one model, not a folder",
+          "needs several inputs, of which it makes one model, and no --resume",
           [command] { return command->inputs.size() > 1 && !command->into_folder(); }},
-         {{options.output},
-          "a folder, for several inputs without --as-one and --resume, not the name of a model",
-          [command] {
+         {{options.output}, "must be a folder for --resume, and for several inputs without --as-one", [command] {
               const std::string& output = command->fit.output;
               return !command->into_folder() || is_folder(output) || !output.ends_with(".srbf");
           }}});

@@ -66,8 +66,8 @@ struct FileOfMany {
     std::string name;
     FileFit fit;
     State state = State::waiting;
-    Line line;          ///< if there is a model
-    std::string error;  ///< if the fit failed
+    Line line;          ///< line of the table, if there is a model
+    std::string error;  ///< message, if the fit failed
 };
 
 /// Fits one file, unless an earlier result can be kept. A result is kept if its report belongs to the model and the

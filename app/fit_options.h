@@ -1,4 +1,4 @@
-// The options of fits on the command line, from their table (fit/fit_options.h), and those of reading samples.
+// The options of fits on the command line, from their table (fit/fit_options.h), and the options for reading samples.
 #pragma once
 #include "app/options.h"
 #include "fit/fit_options.h"

@@ -24,9 +24,9 @@ int text_width(std::string_view text);
 /// largest size that fits. There must be at least one image and as many captions as images.
 Image8 side_by_side(std::span<const Image8> images, std::span<const std::string> captions);
 
-/// The bytes of a PNG with 8-bit RGB. Errors: an empty image, or more than 2²⁹ bytes.
+/// The bytes of a PNG with 8-bit RGB. Returns an error if the image is empty or has more than 2²⁹ bytes.
 Result<std::vector<std::byte>> png(const Image8& image, const std::string& path);
-/// Writes the picture as PNG. Errors: those of `png` and of write_file.
+/// Writes the picture as PNG. Returns an error if `png` or write_file does.
 Result<Done> write_png(const Image8& image, const std::string& path);
 /// The image as a JPEG of `quality` 1..100. Each side has 1 to k_largest_jpeg pixels.
 std::vector<std::byte> jpeg(const Image8& image, int quality);
@@ -34,7 +34,7 @@ inline constexpr int k_largest_jpeg = 65535;
 
 struct PreviewOptions {
     int size = 256;   ///< pixels per side of each sphere's square, at least 16
-    int threads = 0;  ///< 0: all of the machine; the picture does not depend on the number
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
     std::string caption = "fit";
 };
 

@@ -33,11 +33,11 @@ class Option {
     /// Accepts only these texts, which shell completion offers.
     Option one_of(const std::vector<std::string>& names) const;
     Option capture_default_str() const;
-    Option default_text(const std::string& text) const;            ///< for --help and `settings`
+    Option default_text(const std::string& text) const;            ///< the default that --help and `settings` show
     Option offers(const std::vector<std::string>& choices) const;  ///< texts for shell completion
-    Option hidden() const;                                         ///< from --help
-    Option group(const std::string& title) const;                  ///< of --help
-    Option one_at_a_time() const;                                  ///< for a list: the option takes one text per use
+    Option hidden() const;                                         ///< left out of --help
+    Option group(const std::string& title) const;                  ///< its heading in --help
+    Option one_at_a_time() const;                                  ///< an option with a list takes one text per use
 
     /// True if the option was on the command line.
     bool given() const;
@@ -98,7 +98,7 @@ class Subcommand {
 
 /// The content of --help, for shell completion.
 struct OptionHelp {
-    std::vector<std::string> names;  ///< with their dashes; for a positional argument, its name
+    std::vector<std::string> names;  ///< names with their dashes, or the name of a positional argument
     std::string type;  ///< name and default of its text, as in NAME=pm; empty: a flag or a positional argument
     std::string about;
     std::vector<std::string> choices;  ///< the texts that it accepts, if they can be listed

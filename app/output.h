@@ -52,7 +52,7 @@ bool is_report_of(const Json& report, const std::string& model_file);
 /// is the same file as another output. Empty names are ignored. Call it before long computations; the write itself
 /// may still fail.
 Result<Done> check_outputs(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
-/// Makes a folder to write into, unless it exists. Errors: it cannot be made or written.
+/// Makes a folder to write into, unless it exists. Returns an error if it cannot be made or written.
 Result<Done> make_folder(const std::string& path);
 /// Returns an error if standard output has not accepted everything that was printed (disk full).
 Result<Done> flush_standard_output();
@@ -76,7 +76,8 @@ class ProgressLine {
   public:
     ~ProgressLine() { clear(); }
     void show(std::string_view stage, double fraction);
-    /// Shows what a function of the library reports, and never cancels it. This object must outlive the function.
+    /// Shows the progress that a function of the library reports, and never cancels it. This object must outlive the
+    /// function.
     auto shown_progress() {
         return [this](const Progress& now) { return show(now.stage, now.fraction), true; };
     }

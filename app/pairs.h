@@ -12,7 +12,7 @@ inline constexpr std::array<std::string_view, 6> k_pair_columns{"wl_x", "wl_y", 
 
 struct Pairs {
     std::vector<Vec3f> wl, wv;
-    std::vector<std::array<std::string, 6>> text;  ///< as written in the file
+    std::vector<std::array<std::string, 6>> text;  ///< the numbers of a pair as the file writes them
 };
 
 /// Parses the lines of a CSV file whose first line names its columns, and keeps the columns `k_pair_columns`.

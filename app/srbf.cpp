@@ -101,7 +101,7 @@ int run_program(int argc, char** argv) {
         return k_input_error;
     } catch (const std::filesystem::filesystem_error& error) {
         return complain({error.path1().string(), {}, "cannot be read", {}, error.code().message()});
-    } catch (const std::system_error& error) {  // from fmt, if standard output fails
+    } catch (const std::system_error& error) {  // fmt throws it if standard output fails
         return complain({"standard output", {}, "cannot be written", {}, error.code().message()});
     }
     // A full disk may be reported only when standard output is flushed.

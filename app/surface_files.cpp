@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr float k_nanometres = 1000;  ///< in the unit of a film's thickness
+constexpr float k_nanometres = 1000;  ///< one unit of a film's thickness, 1e-6 m, in nanometres
 
 /// The comment lines at the head of a surface's file.
 std::vector<std::string> notes(const NamedModel& named) {

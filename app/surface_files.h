@@ -13,8 +13,8 @@ inline constexpr std::array<std::string_view, 6> k_surface_files{"mtlx", "standa
                                                                  "usd",  "principled"};
 
 /// The file of a surface. Its colours are linear, in Rec.709 primaries; its lengths are in metres. It names the
-/// version of each specification and, if known, ΔE_ITP of the surface against its measurement. Errors: the model is
-/// not an OpenPBR surface, or its light and viewer are exchanged.
+/// version of each specification and, if known, ΔE_ITP of the surface against its measurement. Returns an error if the
+/// model is not an OpenPBR surface, or if its light and viewer are exchanged.
 Result<std::string> surface_file(std::string_view kind, const NamedModel& named);
 
 }  // namespace srbf

@@ -76,8 +76,8 @@ TEST_F(Refusal, UsageErrorsNameTheChoices) {
     expect_failure(2, {"fit", k_paper, "--form", "sauce"}, "expected gaussian or extended or reciprocal, found sauce");
     expect_failure(2, {"fit", k_paper, "--lobes", "many"}, "expected 1 to 64 or auto, found many");
     expect_failure(2, {"fit", k_paper, "--axial", "--no-axial"}, "--axial");
-    expect_failure(2, {"fit", k_paper, "--resume", "-o", "x.srbf"}, "not the name of a model");
-    expect_failure(2, {"fit", k_paper, k_paper, "-o", "x.srbf"}, "not the name of a model");
+    expect_failure(2, {"fit", k_paper, "--resume", "-o", "x.srbf"}, "must be a folder");
+    expect_failure(2, {"fit", k_paper, k_paper, "-o", "x.srbf"}, "must be a folder");
     expect_failure(2, {"fit", k_paper, "--as-one"}, "--as-one");
     expect_failure(1, {"fit", k_paper, k_paper, "--as-one"}, "one sample: expected samples as in paper_white_rgb.bsdf");
 }

@@ -10,10 +10,11 @@ namespace SRBF_NAMESPACE {
 /// Slope, roughness and anisotropy of a closure.
 using ClosureShape = std::array<double, 3>;
 
-/// A direction to the light, with what closures of all shapes need of it. Their D is blurred over `blur` [sr] about it.
+/// A direction to the light, with numbers that closures of all shapes use. Their D is blurred over `blur` [sr] about
+/// it.
 struct ClosureLight {
-    Vec3d wl, h;   ///< and the half vector
-    double added;  ///< to αx² and αy²
+    Vec3d wl, h;   ///< the direction to the light, and the half vector
+    double added;  ///< the blur, a term of αx² and αy²
     ClosureLight(Vec3d towards, Vec3d wv, double blur = 0);
 };
 

@@ -9,11 +9,11 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-constexpr double k_least_cosine = 1e-3;  ///< of N'·wv, at which a term ends
-constexpr double k_most_exponent = 60;   ///< of D that is not 0
+constexpr double k_least_cosine = 1e-3;  ///< the N'·wv at which a term ends
+constexpr double k_most_exponent = 60;   ///< D is 0 if its exponent is larger
 
-/// Smith's Λ of Beckmann's distribution for a direction w, by x = (α tan θ)², and its derivatives by the angle of N' and
-/// the squares of α along and across.
+/// Smith's Λ of Beckmann's distribution for a direction w, by x = (α tan θ)², and its derivatives by the angle of N'
+/// and the squares of α along and across.
 struct SmithLambda {
     double value = 0, by_angle = 0, by_along = 0, by_across = 0;
     SmithLambda(double along, double across, double nw, double tw, double bw) {
@@ -32,7 +32,8 @@ struct SmithLambda {
 ClosureLight::ClosureLight(Vec3d towards, Vec3d wv, double blur)
     : wl(towards),
       h(normalize(towards + wv)),
-      // A disc of solid angle A has the variance A / 4π along each axis, and α² is twice a variance; dω_h = dω_l / (4 h·wl).
+      // A disc of solid angle A has the variance A / 4π along each axis, and α² is twice a variance; dω_h = dω_l / (4
+      // h·wl).
       added(blur / (8 * k_pi * dot(h, wl))) {}
 
 ClosureTerm::ClosureTerm(const ClosureShape& shape, Vec3d wv) : wv_(wv) {

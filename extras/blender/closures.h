@@ -35,14 +35,14 @@ struct ClosureFitOptions {
     int terms = 4;
     int ramp = 1;
     int knots = 24;
-    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
 };
 inline constexpr int k_most_closures = 8, k_ramp_of_osl = 7;
 
 /// Fits a sum of closures to an isotropic BRDF. It minimises ΔE_ITP of pictures of a sphere under directional and
-/// extended lights. No albedo is above 1: where that of `f` is, `f` divided by it is fitted. NaN counts as not
-/// measured; of a BRDF that is not isotropic, each view has one azimuth. Errors: `terms` not from 1 to
-/// `k_most_closures`, `ramp` not from 1 to 7, less than four knots; no value above 0; cancelled.
+/// extended lights. No albedo is above 1: where the albedo of `f` is, `f` is divided by it. NaN counts as not measured.
+/// Each view has one azimuth if the BRDF is not isotropic. Returns an error if `terms` is not from 1 to
+/// `k_most_closures`, `ramp` not from 1 to 7, `knots` less than four or no value above 0, and if it is cancelled.
 Result<ClosureSum> fit_closures(const Evaluate& f, const ClosureFitOptions& options = {},
                                 const ProgressToken& progress = {});
 

@@ -32,11 +32,11 @@ struct Layout {
     double theta(std::size_t knot) const { return k_pi / 2 * double(knot) / double(knots - 1); }
 };
 
-/// The loss of a sum of closures: the mean over pixels of 2 k² (√(ΔE_ITP² / k² + 1) − 1), and squared second differences
-/// between knots.
+/// The loss of a sum of closures: the mean over pixels of 2 k² (√(ΔE_ITP² / k² + 1) − 1), and squared second
+/// differences between knots.
 class ClosureProblem {
   public:
-    /// `progress` hears of each of `linearisations`, their largest number.
+    /// `progress` receives each linearisation; `linearisations` is their largest number.
     ClosureProblem(const std::vector<MatchedView>& views, Layout layout, int threads, ProgressToken progress = {},
                    int linearisations = 1)
         : views_(views),
@@ -270,7 +270,7 @@ class ClosureProblem {
             }
         }
         const KnotPosition at(view.theta, layout_.knots);
-        Eigen::MatrixXd chain(width, 2 * width);  // of the parameters at the view by the unknowns of its knots
+        Eigen::MatrixXd chain(width, 2 * width);  // derivatives of a view's parameters by the unknowns of its knots
         chain << (1 - at.share) * slopes_at(at.knot), at.share * slopes_at(at.knot + 1);
         Eigen::MatrixXd square = Eigen::MatrixXd::Zero(width, width);
         square.selfadjointView<Eigen::Lower>().rankUpdate(J);
@@ -380,7 +380,7 @@ Eigen::VectorXd extended(const std::vector<MatchedView>& views, Layout before, c
     };
     Eigen::VectorXd largest = Eigen::VectorXd::Zero(Eigen::Index(after.parts()));
     for (const Eigen::MatrixXd& of_view : weights) largest = largest.cwiseMax(of_view.rowwise().maxCoeff());
-    constexpr double k_least_share = 0.02;  // of a weight, so that it can grow again
+    constexpr double k_least_share = 0.02;  // weights stay above this share, so that they can grow again
     for (std::size_t i = 0; i < after.knots; ++i) {
         const double theta = after.theta(i);
         double* const to = longer.data() + i * after.width();
@@ -401,7 +401,7 @@ Eigen::VectorXd extended(const std::vector<MatchedView>& views, Layout before, c
     return longer;
 }
 
-/// The unknowns with a further term, the one with which the best weights of all terms match the views best.
+/// The unknowns with a further term. It is the term with which the views are matched best, if all weights are optimal.
 Eigen::VectorXd with_term(const std::vector<MatchedView>& views, Layout before, const Eigen::VectorXd& x, int threads) {
     ClosureProblem problem(views, before, threads);
     problem.set(x);
@@ -435,15 +435,15 @@ Eigen::VectorXd with_term(const std::vector<MatchedView>& views, Layout before, 
 
 constexpr int k_albedo_points_of_closures = 1024;
 
-/// Scales the weights of knots by factors s ≤ 1, near to 1, so that no albedo is above 1, at the knots and between them.
-/// At an angle between knots i and i + 1 the albedo is a s_i + b s_{i+1}: while it is above 1, (s_i, s_{i+1}) moves to
-/// the nearest point at which it is 1.
+/// Scales the weights of knots by factors s ≤ 1, near to 1, so that no albedo is above 1, at the knots and between
+/// them. At an angle between knots i and i + 1 the albedo is a s_i + b s_{i+1}: while it is above 1, (s_i, s_{i+1})
+/// moves to the nearest point at which it is 1.
 void limit_albedos(ClosureSum& sum, int threads) {
     constexpr std::size_t k_between = 4;
     constexpr double k_last_angle = 89.8 * k_degree, k_within = 1e-3;
     constexpr int k_most_sweeps = 1000;
     const std::size_t count = (sum.knots() - 1) * k_between;
-    std::array<ClosureSum, 2> parts{sum, sum};  // of knots with even and with odd indices
+    std::array<ClosureSum, 2> parts{sum, sum};  // the knots with even indices, and those with odd ones
     for (std::size_t knot = 0; knot < sum.knots(); ++knot) {
         ClosureSum& other = parts[1 - knot % 2];
         for (std::size_t j = 0; j < sum.ramp; ++j) other.diffuse[knot * sum.ramp + j] = {};
@@ -467,7 +467,7 @@ void limit_albedos(ClosureSum& sum, int threads) {
         bool exceeded = true;
         for (int sweep = 0; exceeded && sweep < k_most_sweeps; ++sweep) {
             exceeded = false;
-            for (std::size_t i = count; i-- > 0;) {  // of which the last exceed 1 by most
+            for (std::size_t i = count; i-- > 0;) {  // the last ones exceed 1 by most
                 const std::size_t knot = KnotPosition(theta(i), sum.knots()).knot;
                 const double a = double(albedos[i][knot % 2][c]), b = double(albedos[i][1 - knot % 2][c]),
                              excess = a * scale[knot] + b * scale[knot + 1] - 1;
@@ -505,7 +505,7 @@ Result<ClosureSum> fit_closures(const Evaluate& f, const ClosureFitOptions& opti
     const auto steps_of = [&](int k) {
         return (k + 1 < options.terms ? 30 : 80) / (options.ramp > 1 ? 2 : 1);  // a ramp makes them slower
     };
-    // The times when each term is fitted, in proportion: a step takes longer with more terms.
+    // The fractions of the time at which the fit of each term begins: a step takes longer with more terms.
     std::vector<double> times{0};
     for (int k = 0; k < options.terms; ++k) times.push_back(times.back() + (k + 1) * steps_of(k));
     Eigen::VectorXd x = Eigen::VectorXd::Zero(Eigen::Index(layout.knots * layout.width()));
@@ -524,7 +524,7 @@ Result<ClosureSum> fit_closures(const Evaluate& f, const ClosureFitOptions& opti
         problem.set_linear_from(1);
         const double loss =
             levenberg_marquardt(problem, x, {.max_iterations = steps, .decrease_tolerance = k_tolerance}).loss;
-        if (loss < least) least = loss, best = problem.sum(x);  // a further term can harm what is matched already
+        if (loss < least) least = loss, best = problem.sum(x);  // a further term can raise the loss
     }
     limit_albedos(best, options.threads);
     return best;

@@ -18,7 +18,7 @@ constexpr int k_light_points = 440;   ///< directions to the light of a view, an
 constexpr int k_further_points = 13;  ///< times 0 to 6, so that neighbouring views have other directions
 /// A closure is blurred to this share of a direction's solid angle: enough that none hides between directions.
 constexpr double k_blur = 0.1;
-constexpr double k_grazing_weight = 0.06;  ///< of a view, beside its share sin θv cos θv of a sphere's disc
+constexpr double k_grazing_weight = 0.06;  ///< a term of a view's weight, beside sin θv cos θv, its share of a disc
 /// Weights of directional lights are the density of the points to this power; −1 would make them uniform over the
 /// hemisphere, and 0 prefer highlights.
 constexpr double k_density_power = -0.6;
@@ -41,8 +41,8 @@ std::vector<Lighting> extended_lights() {
             surrounded(0.3, {lamp(65, 9, 30)}), surrounded(0.08, {lamp(90, 25, 6)})};
 }
 
-/// A view without pixels. Directions without a measurement are left out. Of a channel that reflects more than all
-/// light, as tables do towards the horizon, the values are divided by its albedo.
+/// A view without pixels. Directions without a measurement are left out. If a channel reflects more than all light, as
+/// in tables towards the horizon, its values are divided by its albedo.
 MatchedView matched_view(const Evaluate& f, double theta, double azimuth, int count) {
     MatchedView view{theta,
                      elementary::sin(theta) * elementary::cos(theta) + k_grazing_weight,

@@ -13,15 +13,15 @@ using Colour = std::array<double, 3>;
 struct MatchedPixel {
     std::size_t first;
     std::vector<double> weight;
-    double share;                     ///< of the loss
-    Colour colour{}, limit{}, itp{};  ///< of the measurement, limit: see `shown`
+    double share;                     ///< weight of the pixel in the loss
+    Colour colour{}, limit{}, itp{};  ///< the measurement's colour; the limit of `shown`
 };
-/// The pixels of all lights at points of the sphere with one θv. The frame is that of `ClosureTerm`.
+/// The pixels of all lights at points of the sphere with one θv. The frame is the same as for `ClosureTerm`.
 struct MatchedView {
     double theta, weight;
     Vec3d wv;
     std::vector<ClosureLight> lights;
-    std::vector<double> pdf;    ///< of the directions to the light
+    std::vector<double> pdf;    ///< density of each direction to the light [1/sr]
     std::vector<Rgb> radiance;  ///< f cosθl
     std::vector<MatchedPixel> pixels;
 };

@@ -8,8 +8,8 @@
 
 namespace SRBF_NAMESPACE {
 
-/// Checks that a subject can be fitted by closures: its reflection has to be a BRDF as a function of any two directions.
-/// `to` names what is written.
+/// Checks that a subject can be fitted by closures: its reflection has to be a BRDF as a function of any two
+/// directions. `to` names the kind of file that is written, for messages.
 Result<Done> check_reflection(const Subject& subject, std::string_view to);
 
 /// The texels of the tables, a column for each knot. A term has a row with its shape and one with its weights; then a

@@ -96,7 +96,9 @@ Result<AngleBasis> read_basis(const Element& element) {
                                float(std::min(*upper, 90.0) * k_degree), std::uint32_t(*azimuths)});
     }
     if (basis.rings.empty() || std::abs(double(basis.rings.back().to) / k_degree - 90) > 1e-3)
-        return element.error("angle basis", "rings to 90 degrees", "others");
+        return element.error(
+            "angle basis", "rings to 90 degrees",
+            basis.rings.empty() ? "none" : fmt::format("an end at {:g}", double(basis.rings.back().to) / k_degree));
     if (basis.patches() > k_most_patches)
         return element.error("angle basis", fmt::format("at most {} patches", k_most_patches),
                              fmt::format("{}", basis.patches()));
@@ -244,7 +246,7 @@ Result<Done> read_block(const Element& block, const Definition& definition, cons
     auto band_blocks = std::ranges::find(bands, band, &NamedXmlBlocks::first);
     if (band_blocks == bands.end()) band_blocks = bands.insert(bands.end(), {band, {}});
     auto& part_block = band_blocks->second[std::size_t(*part)];
-    if (part_block) return block.error(std::string(name(*part)), "one matrix or tree in a band", "another");
+    if (part_block) return block.error(std::string(name(*part)), "one matrix or tree in a band", "a second one");
     auto table = definition.rank > 0 ? read_tree(block, definition.rank) : read_matrix(block, definition);
     if (!table) return table.error();
     part_block = *std::move(table);

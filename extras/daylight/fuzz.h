@@ -4,14 +4,14 @@
 
 namespace SRBF_NAMESPACE {
 
-/// A matrix that is written can be read, with the same number of bands.
+/// Checks that a written matrix can be read, with the same number of bands.
 inline void check_written_xml(const BsdfTable& table) {
     const std::string written = write_bsdf_xml(table);
     const auto again = read_bsdf_xml(std::as_bytes(std::span(written)), "f");
     require(again.ok() && again->bands.size() == table.bands.size(), "what is written is read");
 }
 
-/// Beams are fractions of the light, and the patches that they were taken from keep them separate.
+/// Checks that beams are fractions of the light, and stay separate from the patches that they were taken from.
 inline void check_bsdf_xml(std::span<const std::byte> bytes) {
     auto table = read_bsdf_xml(bytes, "f");
     if (table) {

@@ -129,7 +129,7 @@ bool is_peak_of_beam(double value, double around, double typical) {
 
 namespace {
 
-/// The neighbours of a patch: those in its ring, and those at its azimuth in adjacent rings. A ring of fewer than
+/// The neighbours of a patch: patches in its ring, and patches at its azimuth in adjacent rings. A ring of fewer than
 /// three patches counts the patches of the next ring as its own.
 struct Neighbours {
     std::vector<std::size_t> in_ring, all;
@@ -178,8 +178,8 @@ Peak peak_of(const KlemsTable& table, std::size_t i) {
     return peak;
 }
 
-/// Returns which incident patches have a beam. All patches of a ring have one if the sums over the ring show a beam;
-/// otherwise each patch decides for itself.
+/// Returns, for each incident patch, whether it has a beam. All patches of a ring have one if the sums over the ring
+/// show a beam; otherwise each patch is judged by itself.
 std::vector<bool> beam_patches(const KlemsTable& table) {
     const AngleBasis& in = table.incident;
     std::vector<bool> is_beam;

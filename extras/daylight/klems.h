@@ -34,7 +34,7 @@ struct PatchClass {
 /// `isotropic`: classes as above; otherwise each pair is a class. Cells that were not measured are left out.
 std::vector<PatchClass> patch_classes(const KlemsTable& table, bool isotropic);
 
-/// True if a peak is that of a beam. It must exceed the largest value around it by at least half of that value, and
+/// True if a peak comes from a beam. It must exceed the largest value around it by at least half of that value, and
 /// by ten times as much as that value exceeds a typical value. A lobe as wide as a patch would reach the patches
 /// around it.
 bool is_peak_of_beam(double value, double around, double typical);

@@ -126,7 +126,7 @@ std::array<double, 4> tree_point(int rank, Vec3f wl, Vec3f wv) {
     const double sine = elementary::hypot(px, py);
     const double c = sine > 0 ? px / sine : 1, s = sine > 0 ? py / sine : 0;
     const auto q = shirley_square(c * qx + s * qy, c * qy - s * qx);
-    constexpr double tiny = 1e-6;  // as in Radiance; puts the normal in the lower half of the tree
+    constexpr double tiny = 1e-6;  // Radiance's constant; puts the normal in the lower half of the tree
     return {0.5 - tiny - 0.5 * sine, q[0], q[1], 0};
 }
 

@@ -92,7 +92,7 @@ Rgb mean_share(const PeakedTree& peaked, double theta, double phi) {
 }  // namespace
 
 std::optional<SeparatedBeam> separated_beam(const std::shared_ptr<const TreeTable>& tree) {
-    // The area of the unit square corresponds to that of the disc, π.
+    // The unit square corresponds to the disc, whose area is π.
     const PeakedTree peaked{tree, k_peak_reach * double(tree->y.smallest_leaf()) * std::sqrt(k_pi)};
     const int nodes = tree->y.rank == 3 ? 1 : k_beam_nodes;
     Beam beam;

@@ -26,7 +26,7 @@ class LevelKernel {
     double over_densities(double c, double other, double count) const {
         return scale_ * std::max(c, 0.0) / densities(c, other, count);
     }
-    /// The sum of that at two cosines, with one division.
+    /// The sum of `over_densities` at two cosines, with one division.
     double over_densities(double c0, double c1, double other, double count) const {
         const double D0 = densities(c0, other, count), D1 = densities(c1, other, count);
         return 0.5 * scale_ * ((c0 + std::abs(c0)) * D1 + (c1 + std::abs(c1)) * D0) / (D0 * D1);  // without branches
@@ -51,7 +51,7 @@ struct KernelSample {
 /// The sizes of the lights used by the fit, as roughnesses of K, whose half width is approximately 2 r² radians:
 /// from 1.6 degrees, which a picture of a sphere 128 pixels wide resolves, to the cosine.
 inline constexpr std::array<double, 6> k_light_sizes{0.12, 0.25, 0.4, 0.6, 0.8, 1};
-inline constexpr int k_light_samples = 64;  ///< of a light's emission
+inline constexpr int k_light_samples = 64;  ///< number of samples of a light's emission
 
 /// K of a light, and samples of its density over all directions.
 struct LightKernel {

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::MatrixXd;
 
-constexpr int k_lights_per_size = 256;  ///< for each view
+constexpr int k_lights_per_size = 256;  ///< number of lights of a size for each view
 /// Errors are relative to the radiance, as visible errors are. The radiance includes a fraction of its luminance,
 /// so that a channel that reflects little is not fitted as closely as the others.
 constexpr double k_luminance_share = 0.3;
@@ -118,7 +118,7 @@ Vec3d error_weights(const Vec3d& radiance) {
     return {weight(radiance.x), weight(radiance.y), weight(radiance.z)};
 }
 
-/// Sets what the view reflects: its albedo, and the radiance under each light.
+/// Sets the light that the view reflects: its albedo, and the radiance under each light.
 void set_reflected(LitView& view, const Vec3d& total, const MatrixXd& radiances) {
     view.albedo = {float(total.x), float(total.y), float(total.z)};
     view.weight.resize(radiances.rows(), 3);

@@ -1,4 +1,4 @@
-// The light that a BRDF reflects towards a viewer under lights of several sizes, which lobes are fitted to.
+// The light that a BRDF reflects towards a viewer under lights of several sizes, the data to which lobes are fitted.
 #pragma once
 #include <Eigen/Dense>
 
@@ -8,7 +8,7 @@
 
 namespace SRBF_NAMESPACE {
 
-inline constexpr int k_view_samples = 2048;  ///< of the reflected light: albedos within approximately 0.3 %
+inline constexpr int k_view_samples = 2048;  ///< number of samples of reflected light; albedos are within about 0.3 %
 /// The radiance of an ambient light beside a light of radiance 1. Errors are relative to the radiance under both.
 inline constexpr double k_ambient = 0.1 / k_pi;
 
@@ -29,8 +29,8 @@ struct LitView {
     Eigen::MatrixXd radiance;  ///< lights × 3: weight × radiance
 };
 
-/// A BRDF that is sampled at another azimuth each time if it is anisotropic, so that sums are those of its mean
-/// over azimuths.
+/// A BRDF that, if it is anisotropic, is sampled at another azimuth each time, so that sums belong to its mean over
+/// azimuths.
 class AveragedBrdf {
   public:
     AveragedBrdf(const PreparedBrdf& brdf, bool isotropic) : brdf_(brdf), isotropic_(isotropic) {}
@@ -73,7 +73,7 @@ std::vector<Reflected> sample_reflected(const AveragedBrdf& brdf, const Vec3f& w
 /// The radiance under each of the view's lights: lights × 3.
 Eigen::MatrixXd radiances_of(const LitView& view, const AveragedBrdf& brdf, const std::vector<Reflected>& reflected);
 
-/// A view in the plane y = 0 with its lights and what it reflects, at this cosine to the normal.
+/// A view in the plane y = 0 at this cosine to the normal, with its lights and the radiance that it reflects.
 LitView lit_view(const AveragedBrdf& brdf, double cosine);
 /// The cosine of a node's view in fits: at the horizon views have no limit, along the normal no plane of incidence.
 double fitted_cosine(std::size_t view);

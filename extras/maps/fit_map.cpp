@@ -24,7 +24,7 @@ namespace {
 
 /// Number of groups in which lobes are added, of steps after each group, and of steps after the last.
 constexpr int k_groups = 16, k_group_steps = 4, k_last_steps = 16;
-/// Rounds in which rows are weighted for the lobes, which follow, and the steps of each round.
+/// Rounds in which rows are weighted for the current lobes, and the steps of the lobes in each round.
 constexpr int k_refinements = 3, k_refinement_steps = 6;
 /// Number of searches for the lobes of texels: for a map of GGX lobes, a single search could end far from the others
 /// (docs/shared_lobes.md).

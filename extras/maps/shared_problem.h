@@ -9,8 +9,8 @@
 
 namespace SRBF_NAMESPACE {
 
-/// Σ_t L_t(x) / r_t over the problems of materials t, each with its own coefficients. The variables x are those of
-/// `LobeProblem`. Materials are computed in parallel on the threads of the caller's `on_threads`.
+/// Σ_t L_t(x) / r_t over the problems of materials t, each with its own coefficients. The variables x are the variables
+/// of `LobeProblem`. Materials are computed in parallel on the threads of the caller's `on_threads`.
 class SharedProblem {
   public:
     /// The materials must outlive this object.
@@ -19,7 +19,7 @@ class SharedProblem {
     double loss(const Eigen::VectorXd& x);
     void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g);
     /// The bounds of `LobeProblem`, narrowed to the longest step: a lobe that would move further stops there.
-    /// Shortening steps as a whole would make those of many lobes short.
+    /// If the whole step were shortened instead, most lobes would hardly move.
     Eigen::VectorXd lower(const Eigen::VectorXd& x) const;
     Eigen::VectorXd upper(const Eigen::VectorXd& x) const;
     Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const;

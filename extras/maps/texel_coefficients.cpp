@@ -53,7 +53,7 @@ std::vector<double> largest_shares(const TexelMap& map, const SharedPairs& pairs
 
 /// The lobes at the samples, and how far the samples constrain them.
 struct SampledLobes {
-    std::vector<Aligned<float>> values;  ///< of each lobe, in multiples of its scale
+    std::vector<Aligned<float>> values;  ///< values of each lobe, in multiples of its scale
     std::vector<double> scale;           ///< the largest value of each lobe for coefficient 1
     std::vector<double> largest;  ///< upper bounds on coefficients if f cosθl cosθv of the samples is at most 1
     /// lobes that do not rise by `k_most_excess` between or beyond the samples
@@ -157,7 +157,7 @@ class BlockSolver {
   private:
     struct Solution {
         std::vector<float> beta;  ///< rounded to 16-bit floats: 3 j + c of each texel
-        Aligned<float> scaled;    ///< for the columns and y
+        Aligned<float> scaled;    ///< coefficients for the scaled columns and y
         alignas(64) float residual[k_block_texels];
     };
     std::size_t J() const { return columns_.size(); }
@@ -171,7 +171,7 @@ class BlockSolver {
         Eigen::VectorXd g(size), upper(size), solved;
         for (std::size_t t = 0; t < count; ++t) {
             if (!(block_.bright[t] > 0)) continue;
-            solved.resize(0);  // of the channel before
+            solved.resize(0);  // drops the previous channel's values
             const double bright = double(block_.bright[t]);
             for (std::size_t a = 0; a < n; ++a) {
                 const std::size_t j = which[a];
@@ -233,7 +233,7 @@ class BlockSolver {
     Solution complete_, constrained_;
 };
 
-/// Makes the largest f cosθl cosθv of a texel unknown.
+/// Sets the value with the largest f cosθl cosθv of a texel to NaN.
 void leave_out_largest(const SharedPairs& pairs, std::span<Rgb> f) {
     std::size_t largest = 0;
     double most = -1;

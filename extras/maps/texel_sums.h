@@ -1,11 +1,11 @@
-// Sums over the pairs of many texels at once, on vectors of the processor: one texel a lane.
+// Sums over the pairs of many texels at once by SIMD, one texel in each lane.
 #pragma once
 #include "base/aligned.h"
 #include "srbf/fit_map.h"
 
 namespace SRBF_NAMESPACE {
 
-/// Number of texels in a block, and the multiple of numbers of pairs: further pairs have weight 0.
+/// Number of texels in a block. Numbers of pairs are padded to a multiple of k_pair_multiple by pairs of weight 0.
 inline constexpr std::size_t k_block_texels = 64, k_pair_multiple = 32;
 
 /// The pairs that texels share. Columns have `pairs` numbers.
@@ -29,8 +29,8 @@ struct TexelBlock {
     alignas(64) float energy[k_block_texels];   ///< Σ w |y|²
 };
 
-/// Sets the block to texels of these values, f[t][i] as texel t has them at pair i; texels that are missing are black.
-/// A value that is not finite, or 10¹⁵ times as large as `bright`, was not measured.
+/// Sets the block to texels with the values f[t][i] of texel t at pair i; texels that are missing are black. A value
+/// that is not finite, or 10¹⁵ times as large as `bright`, was not measured.
 void load_texels(std::span<const Rgb> f, std::size_t count, const TexelPairs& pairs, TexelBlock& block);
 
 /// products[n] = Σ w columns[n], of columns that texels share.

@@ -116,7 +116,7 @@ Result<ScatteredSamples> read_bird(std::span<const std::byte> bytes, const std::
                                  fmt::format("{:g}", values[i]));
         for (float& x : values) x = float(double(x) * factor);
         if (c <= k_wavelength_column && !std::ranges::all_of(values, [](float x) { return std::isfinite(x); }))
-            return error("data." + name, "finite numbers", "others");
+            return error("data." + name, "finite numbers", "");
     }
     std::vector<SpectralRow> rows(n);
     const auto& u = sax.arrays[k_weight_column];

@@ -65,7 +65,7 @@ Result<ScatteredSamples> read_fred(std::span<const std::byte> bytes, const std::
             if (!number || count == numbers.size()) return wrong("numbers", expected_numbers(), word);
             numbers[count] = *number;
         }
-        if (angles == 0) angles = std::min<std::size_t>(count, 2);  // the first line is that of a light
+        if (angles == 0) angles = std::min<std::size_t>(count, 2);  // the first line has the angles of a light
         if (count != angles && count != angles + 1) return wrong("numbers", expected_numbers(), *line);
         const double theta = numbers[0] * format.unit, phi = angles == 2 ? numbers[1] * format.unit : 0;
         if (!(std::abs(theta) <= k_pi + k_azimuth_rounding)) return wrong("polar angle", "at most 180 degrees", *line);

@@ -4,7 +4,7 @@
 
 namespace SRBF_NAMESPACE {
 
-/// A table that is written can be read.
+/// Checks that a written table can be read.
 inline void check_zemax(std::span<const std::byte> bytes) {
     auto table = read_zemax(bytes, "f");
     if (!table) return check_error(table.error());

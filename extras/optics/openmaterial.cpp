@@ -46,7 +46,7 @@ struct OpenMaterialRows : JsonRows {
     std::size_t table_depth = 0, column = 0;
     SpectralRow row{};
     std::vector<SpectralRow> rows;
-    std::vector<std::array<float, 2>> receiver;  ///< as `ScatteredSamples` has them
+    std::vector<std::array<float, 2>> receiver;  ///< `ScatteredSamples::receiver`
 
     /// The columns of a file: wavelength, θ_l, θ_v, φ_v and f.
     static constexpr std::array<std::size_t, 5> k_order{k_wavelength_column, 0, 2, 3, k_value_column};
@@ -153,11 +153,14 @@ Result<ScatteredSamples> read_openmaterial(std::span<const std::byte> bytes, con
     if (sax.rows.empty()) return Error{file_name, {}, "OpenMATERIAL", "rows in brdf.lookupTable", "none"};
     for (const SpectralRow& row : sax.rows)
         if (!std::isfinite(row[k_wavelength_column]))
-            return Error{file_name, {}, "OpenMATERIAL", "a wavelength and three angles in each row", "others"};
+            return Error{file_name, {}, "OpenMATERIAL", "a wavelength and three angles in each row", {}};
     for (const auto& [nm, solid_angle] : sax.receiver)
         if (!(nm > 0 && solid_angle > 0 && std::isfinite(solid_angle)))
-            return Error{
-                file_name, {}, "receiverSolidAngles", "a wavelength and a solid angle above 0 in each", "others"};
+            return Error{file_name,
+                         {},
+                         "receiverSolidAngles",
+                         "a wavelength and a solid angle above 0 in each",
+                         fmt::format("{:g} and {:g}", nm, solid_angle)};
     auto samples = samples_of_rows(sax.rows, bytes.size(), file_name, sax.name, true);
     if (samples) samples->receiver = std::move(sax.receiver);
     return samples;

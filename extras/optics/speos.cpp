@@ -26,7 +26,7 @@ constexpr double k_same_percentage = 0.1;
 struct SpeosSide {
     bool is_there = false, is_transmission = false;
     std::vector<float> rotation;
-    std::vector<std::vector<float>> incidence;  ///< for each rotation
+    std::vector<std::vector<float>> incidence;  ///< angles of incidence of each rotation
     double theta = 0;                           ///< polar angle of the light for the percentages [rad]
     std::vector<float> wavelength, percent;
 };
@@ -54,7 +54,7 @@ void read_speos_percents(ScatterText& text, SpeosSide& side) {
         side.wavelength.push_back(text.number<float>("wavelength"));
         side.percent.push_back(speos_percentage(text));
     }
-    if (!text.error() && !are_wavelengths(side.wavelength)) text.fail("wavelengths", "rising ones in nm", "others");
+    if (!text.error() && !are_wavelengths(side.wavelength)) text.fail("wavelengths", "increasing numbers in nm", "");
 }
 
 /// Converts intensities, which include the cosine and are 0 at the horizon, to f up to a factor.
@@ -93,7 +93,7 @@ ScatterTable::Slice read_speos_slice(ScatterText& text, const SpeosSide& side, f
     return slice;
 }
 
-/// The factor for values whose own integral is `found`, where the file states the share of light `stated`.
+/// The factor for values whose integral is `found` if the file states the share of light `stated`.
 double speos_scale(double found, double stated) {
     return found > 0 && stated > 0 && !(std::abs(found - stated) <= k_same_percentage * stated) ? stated / found : 1;
 }
@@ -126,7 +126,8 @@ std::optional<Error> check_values(const ScatterTable& table, const std::string& 
     for (const ScatterTable::Slice& slice : table.slices)
         for (const float f : slice.f)
             if (std::isinf(f) || std::abs(f) > k_largest_value)
-                return Error{file_name, {}, "values", "ones in the range of values", "others"};
+                return Error{
+                    file_name, {}, "values", fmt::format("at most {:g}", k_largest_value), fmt::format("{:g}", f)};
     return {};
 }
 
@@ -163,7 +164,7 @@ void read_spectral(ScatterText& text, std::array<SpeosSide, 2>& sides, bool are_
     std::vector<float> wavelength;
     for (std::size_t k = 0; k < n_wavelengths && !text.error(); ++k)
         wavelength.push_back(text.number<float>("wavelength"));
-    if (!text.error() && !are_wavelengths(wavelength)) text.fail("wavelengths", "rising ones in nm", "others");
+    if (!text.error() && !are_wavelengths(wavelength)) text.fail("wavelengths", "increasing numbers in nm", "");
     for (std::size_t s = 0; s < 2 && !text.error(); ++s) {
         if (!sides[s].is_there) continue;
         ScatterTable& table = tables[s].emplace();
@@ -183,7 +184,8 @@ void read_spectral(ScatterText& text, std::array<SpeosSide, 2>& sides, bool are_
                 }
                 ScatterTable::Slice& mean = table.slices.back();
                 if (slice.polar != mean.polar || slice.azimuth != mean.azimuth)
-                    return text.fail("angles", "those of the first wavelength", "others");
+                    return text.fail("angles", "those of the first wavelength",
+                                     fmt::format("other ones at {:g} nm", wavelength[k]));
                 for (std::size_t i = 0; i < mean.f.size(); ++i) mean.f[i] += slice.f[i];
             }
         table.first = {0, std::uint32_t(table.slices.size())};

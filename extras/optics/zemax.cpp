@@ -114,7 +114,7 @@ Result<ScatterTable> read_zemax(std::span<const std::byte> bytes, const std::str
     table.transmission = header.type == "BTDF";
     table.rotation = header.rotation;
     table.channels = header.content == k_xyz ? 3 : 1;
-    const std::size_t values = header.azimuth.size() * header.radial.size();  // at most 3601² each
+    const std::size_t values = header.azimuth.size() * header.radial.size();  // each factor is at most 3601²
     if (values > bytes.size() || values * header.incidence.size() > bytes.size() ||
         values * header.incidence.size() * header.rotation.size() > bytes.size())
         text.fail("header", "no more values than the file has bytes", "more");

@@ -28,7 +28,7 @@ std::string chart_drawing(const Chart& chart) {
             if (is_shown(point)) x.add(point.x), y.add(point.y);
     for (const double tick : chart.x_ticks) x.add(tick);
     if (y.most == 0) x.add(1), y.add(1);
-    // Whole decades of errors, and some space on both ends of x.
+    // The axis of errors has whole decades, the axis of x some space at both ends.
     const int lowest = int(std::floor(std::log10(y.least))),
               highest = std::max(int(std::ceil(std::log10(y.most))), lowest + 1);
     y = {std::pow(10.0, lowest), std::pow(10.0, highest)};

@@ -115,7 +115,7 @@ std::uint64_t most_bytes_of(std::span<const std::byte> head) {
     if (is_exr(head)) return check_exr_header(head, k_largest_file, {}).ok() ? k_largest_file : head.size();
     const auto header = read_header(head, {});
     if (!header) return head.size();
-    // Runs of one texel take two bytes for each of the four channels.
+    // A run of one texel takes two bytes in each of the four channels.
     return header->texels + std::uint64_t(header->height) * (8 * std::uint64_t(header->width) + 4);
 }
 

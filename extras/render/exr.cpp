@@ -162,7 +162,7 @@ std::optional<std::array<T, N>> numbers(const std::vector<Attribute>& attributes
 std::array<std::int64_t, 2> block_of(const std::vector<Attribute>& attributes) {
     if (const auto tile = numbers<std::uint32_t, 2>(attributes, "tiles"))
         return {std::max<std::int64_t>((*tile)[1], 1), std::max<std::int64_t>((*tile)[0], 1)};
-    constexpr std::array<std::int64_t, 10> rows{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};  // by the kind of compression
+    constexpr std::array<std::int64_t, 10> rows{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};  // rows a block, by compression
     const auto kind = numbers<std::uint8_t, 1>(attributes, "compression");
     return {kind && (*kind)[0] < rows.size() ? rows[(*kind)[0]] : 1, std::int64_t(1) << 32};
 }
@@ -174,7 +174,7 @@ Result<Done> check_exr_header(std::span<const std::byte> start, std::uint64_t si
     const auto text = as_text(start.first(std::min(start.size(), k_most_header)));
     std::size_t end = 0;
     const auto header = attributes(text, end);
-    // The library would allocate the size that an attribute declares.
+    // Otherwise the library would allocate the size that an attribute declares.
     if (!header) return Error{file_name, end, "header", fmt::format("at most {} bytes", text.size()), "more"};
     const auto window = numbers<std::int32_t, 4>(*header, "dataWindow");
     if (!window) return Done{};

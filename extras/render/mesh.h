@@ -43,9 +43,9 @@ inline constexpr float k_furthest_vertex = 1e7f, k_least_extent = 1e-7f;
 /// has x, y, z and, if all three exist, nx, ny, nz, and if both exist s, t (or u, v, or texture_u, texture_v). An
 /// element `face` has a list `vertex_indices` (or `vertex_index`), whose polygons become triangle fans. Other
 /// elements and properties are skipped.
-/// Errors: another format; no faces; numbers that are not finite; positions or an extent beyond the limits above;
-/// indices out of range; a truncated file; counts that its size cannot hold, detected before any allocation.
-/// `file_name` appears in errors only.
+/// Returns an error if the file is of another format, truncated or without faces; if numbers are not finite, positions
+/// or the extent beyond the limits above, or indices out of range; and, before any allocation, if its size cannot hold
+/// its counts. `file_name` appears in errors only.
 Result<Mesh> read_ply(std::span<const std::byte> bytes, const std::string& file_name);
 /// Reads the bytes of a Wavefront `.obj`: `v`, `vt`, `vn` and `f` in the forms v, v/vt, v//vn, v/vt/vn, with
 /// indices from 1 or, if negative, relative to the end. Polygons become triangle fans. Other lines are skipped.

@@ -41,8 +41,8 @@ double signed_volume(const Mesh& mesh) {
 }
 
 /// Completes a mesh with unit normals: its own where they exist, otherwise from its triangles. A surface without
-/// normals may be inside out: its orientation is inverted if it encloses a negative volume. Errors: no triangles;
-/// coordinates or an extent beyond the limits in mesh.h.
+/// normals may be inside out: its orientation is inverted if it encloses a negative volume. Returns an error if there
+/// are no triangles, or if coordinates or the extent are beyond the limits in mesh.h.
 Result<Mesh> complete_mesh(Mesh mesh, const std::string& file_name) {
     if (mesh.triangles.empty()) return Error{file_name, {}, "faces of the mesh", "one at least", "none"};
     const auto& [least, most] = bounds(mesh);
@@ -125,7 +125,7 @@ class PlyReader {
             const std::string& name = elements_[i].name;
             const auto first = std::ranges::find(elements_, name, &Element::name);
             if (first != elements_.begin() + std::ptrdiff_t(i) && (name == "vertex" || name == "face"))
-                return Error{file_name_, 0, "elements of a .ply", "one " + name, "another"};
+                return Error{file_name_, 0, "elements of a .ply", "one " + name, "a second one"};
             if (const auto done = read_rows(elements_[i]); !done) return done.error();
         }
         if (std::ranges::find(elements_, "vertex", &Element::name) == elements_.end())
@@ -233,7 +233,7 @@ class PlyReader {
             rest.empty() || encoding_ != Encoding::ascii ? "the end of the file" : quoted(next_word(rest, k_blanks)));
     }
 
-    /// Reads the rows of an element: vertices, the corners of faces, or what is skipped.
+    /// Reads the rows of an element: vertices, the corners of faces, or rows to skip.
     Result<Done> read_rows(const Element& element) {
         const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
         std::uint64_t least_row = 0;  // its scalars and the lengths of its lists
@@ -273,7 +273,7 @@ class PlyReader {
             if (!is_vertex) continue;
             const Vec3f position{x[0], x[1], x[2]}, normal{x[3], x[4], x[5]};
             if (!is_finite(position) || (has_normals && !is_finite(normal)))
-                return fail(fmt::format("vertex {} of {}", row + 1, element.count), "finite numbers", "others");
+                return fail(fmt::format("vertex {} of {}", row + 1, element.count), "finite numbers", "");
             mesh_.positions.push_back(position);
             if (has_normals) mesh_.normals.push_back(normal);
             if (has_texture) texture_.push_back(texture_coordinates(x[6], x[7]));
@@ -308,7 +308,7 @@ class PlyReader {
     Encoding encoding_{};
     std::vector<Element> elements_;
     Mesh mesh_;
-    std::vector<Vec2f> texture_;  // of the vertices
+    std::vector<Vec2f> texture_;  // texture coordinates of the vertices
 };
 
 // ---- .obj --------------------------------------------------------------------------------------------------------

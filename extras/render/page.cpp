@@ -128,7 +128,7 @@ Json common_data(bool two_sided) {
     data["light_behind"] = json_of(k_light_behind.towards);
     data["vertex"] = text_of(Flat{}).vertex;
     data["pixel"] = pixel_text({});
-    // Pictures under an environment.
+    // The shader that displays pictures under an environment.
     const ShaderText develop = develop_shader_text(Dialect::es_300);
     data["whole"] = develop.vertex;
     data["develop"] = develop.fragment;
@@ -194,7 +194,7 @@ std::string figure(std::string_view material, std::string_view name, const std::
 
 /// The caption of the difference of the first two materials.
 constexpr std::string_view k_difference = "difference × 10";
-/// True if the first two materials have pictures, whose difference is then entry.
+/// True if the first two materials have pictures, so that the page can show their difference.
 bool has_difference(const Page& page) {
     return page.materials.size() > 1 && page.materials[0].material && page.materials[1].material;
 }

@@ -13,15 +13,15 @@ namespace SRBF_NAMESPACE {
 struct PageMaterial {
     std::string name;                  ///< "Measured", "film"
     std::string kind;                  ///< "multivariate, 208 bytes"
-    std::optional<Material> material;  ///< for its picture; without it the page has only plots and tables of it
-    Evaluate brdf;                     ///< for the plots
+    std::optional<Material> material;  ///< what its picture shows; none: only plots and tables
+    Evaluate brdf;                     ///< the function that plots show
     bool both_sides = false;           ///< true for a BSDF, whose plots go all around
     std::string parameters;            ///< text to read and copy; may be empty
 };
 
 struct Page {
     std::string title;
-    std::vector<PageMaterial> materials;  ///< at least one; the first is drawn widest in the plots
+    std::vector<PageMaterial> materials;  ///< one or more materials; plots draw the first widest
     /// A table with one column per material.
     struct Row {
         std::string name, meaning;       ///< `meaning` appears below the table; may be empty
@@ -34,10 +34,9 @@ struct Page {
     std::string mesh_name;
 };
 
-/// The page: HTML in UTF-8 without external references. Its shaders are those of `shader_text` in OpenGL ES 3.0;
-/// the page displays their text and compiles it. The initial picture shows `mesh`, or `page_mesh("ball")`, from
-/// `Viewpoint{}` under `k_three_lights`, with the automatic_exposure of the sphere of the first material with a
-/// picture.
+/// The page: HTML in UTF-8 without external references. Its shaders come from `shader_text` in OpenGL ES 3.0; the page
+/// displays their text and compiles it. The initial picture shows `mesh`, or `page_mesh("ball")`, from `Viewpoint{}`
+/// under `k_three_lights`, with the automatic_exposure of the sphere of the first material with a picture.
 std::string page_html(const Page& page);
 
 /// The automatic_exposure of a sphere under `k_three_lights`.

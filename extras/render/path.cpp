@@ -81,7 +81,7 @@ struct Surface {
     Axes axes;                          ///< around the shading normal, which for a BRDF is on the viewer's side
     const PreparedBsdf* body_material;  ///< the body's material, or the chosen one; null for a map
     std::optional<PreparedBsdf> point_material;  ///< material of a map at this point
-    Vec3f wv;                                    ///< in these axes; z is the normal of a BSDF's front
+    Vec3f wv;  ///< direction to the viewer in `axes`; z is the normal of a BSDF's front
 
     const PreparedBsdf& material() const { return body_material ? *body_material : *point_material; }
 };

@@ -18,9 +18,9 @@ struct AreaLight {
     Rgb radiance;
 };
 
-/// The shares of the first, second and third of `materials`, two or three, at (u, v) of a mask: red is the share of the
-/// second, green that of the third, at most what the second leaves, and the first has the rest. The mask repeats, and is
-/// interpolated as a map is (prepared_map.h).
+/// The shares of the first, second and third of `materials`, two or three, at (u, v) of a mask. Red is the share of the
+/// second material, green the share of the third, clamped to 1 − red, and the first has the rest. The mask repeats, and
+/// is interpolated as a map is (prepared_map.h).
 Rgb mask_shares(const Image& mask, std::size_t materials, Vec2f uv);
 
 /// Two or three materials, mixed by `mask_shares` at each point of a mesh with texture coordinates.
@@ -58,7 +58,7 @@ struct PathOptions {
     /// True if surfaces block light. If false, all light reaches every point, in one bounce, as in `rasterize`.
     bool occlusion = true;
     std::uint64_t seed = 0;
-    int threads = 0;  ///< 0: as many as the machine has; the picture does not depend on it
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
     /// Called regularly with the completed fraction, 0..1, by one thread at a time.
     std::function<void(double)> progress;
 };

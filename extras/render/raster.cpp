@@ -72,7 +72,7 @@ GlObject new_texture(GLenum target, GLenum filter) {
     return {id, [](unsigned texture) { glDeleteTextures(1, &texture); }};
 }
 
-/// A program; it is not in use. Errors: the library's compiler rejects the text.
+/// A new program, which is not yet in use. Returns an error if OpenGL's compiler rejects the text.
 Result<GlObject> new_program(const ShaderText& text) {
     const auto vertex = compile(GL_VERTEX_SHADER, text.vertex);
     if (!vertex) return vertex.error();
@@ -93,7 +93,7 @@ void bind_texture(std::size_t unit, GLenum target, const GlObject& texture) {
     glBindTexture(target, texture.id());
 }
 
-/// Errors: `size` exceeds a limit of the library.
+/// Returns an error if `size` exceeds this limit of OpenGL.
 Result<Done> check_gl_size(const char* what, std::uint64_t size, GLenum limit) {
     if (size <= std::uint64_t(gl_integer(limit))) return Done{};
     return gl_error(what, fmt::format("at most {} here", gl_integer(limit)), std::to_string(size));
@@ -125,7 +125,8 @@ std::array<float, 16> to_clip(const RasterView& view, const Bounds& box) {
     return columns;
 }
 
-/// Errors: a material's numbers exceed the limits of the library. Materials without an overload have few numbers.
+/// Returns an error if a material's numbers exceed the limits of OpenGL. Materials without an overload have few
+/// numbers.
 template <typename Other> Result<Done> check_limits(const Other&) { return Done{}; }
 Result<Done> check_limits(const BsdfTables& tables) {
     const auto [h, d, p] = size_of(tables);

@@ -35,10 +35,10 @@ class GlObject {
 struct RasterView {
     Camera camera;
     double aspect = 4.0 / 3;
-    std::span<const DirectionalLight> lights;  ///< as many as the material was made for
-    float exposure = 1;                        ///< for PixelOutput::shown
-    /// True: back faces are drawn, which open surfaces need. Without them a frame of a scanned mesh takes two
-    /// thirds of the time.
+    std::span<const DirectionalLight> lights;  ///< the lights, whose number the material's text has
+    float exposure = 1;                        ///< exposure of PixelOutput::shown
+    /// If true, back faces are drawn, which open surfaces need. Without them a frame of a scanned mesh takes two thirds
+    /// of the time.
     bool back_faces = true;
 };
 
@@ -58,7 +58,7 @@ class RasterMesh {
 /// Position and normal of the visible surface at each pixel: the first of two passes.
 class RasterSurface {
   public:
-    /// Errors: larger than the library's framebuffers; float formats that cannot be rendered to.
+    /// Returns an error if it is larger than OpenGL's framebuffers, or if float formats cannot be rendered to.
     static Result<RasterSurface> make(Dialect dialect, int width, int height);
     /// Draws the mesh into this surface's framebuffer, which stays bound.
     void draw(const RasterMesh& mesh, const RasterView& view) const;
@@ -79,7 +79,7 @@ class RasterSurface {
 /// A material in the graphics library: a program and its numbers.
 class RasterMaterial {
   public:
-    /// Errors: a model larger than the library's buffers or textures; a text that the library's compiler rejects.
+    /// Returns an error if the model is larger than OpenGL's buffers or textures, or if its compiler rejects the text.
     static Result<RasterMaterial> make(const Material& material, const ShaderOptions& options);
 
     /// Draws the mesh into the current framebuffer with its current viewport. Requires PixelInput::triangles.
@@ -108,7 +108,7 @@ class RasterMaterial {
     void load_table(std::array<std::uint32_t, 3> size, std::vector<Float4> texels);
 
     GlObject program_, numbers_, no_array_;
-    std::vector<Texture> textures_;  ///< in the order of their units
+    std::vector<Texture> textures_;  ///< textures in the order of their units
     std::size_t data_bytes_ = 0, auxiliary_bytes_ = 0;
 };
 
@@ -117,14 +117,14 @@ class RasterTarget {
   public:
     /// Pixel formats: 8 bits per channel, or floats (32 bits; 16 if multisampling requires it).
     enum class Format { bytes, floats };
-    /// `samples` per pixel, or as many as are supported. Errors: larger than the library's framebuffers; float
-    /// formats that cannot be rendered to.
+    /// A target of `samples` per pixel, or as many as OpenGL supports. Returns an error if it is larger than OpenGL's
+    /// framebuffers, or if float formats cannot be rendered to.
     static Result<RasterTarget> make(int width, int height, int samples, Format format);
     /// Makes a target for the second pass over `surface`, with the same size and depths, one sample per pixel and
     /// bytes. It must not outlive `surface`.
     static Result<RasterTarget> make_for(const RasterSurface& surface);
     /// Binds the framebuffer, sets its viewport and clears it to 0 without coverage, or to the grey background of
-    /// `shown` pictures. Depths are cleared only if they are its own.
+    /// `shown` pictures. Depths are cleared only if the target owns them.
     void begin() const;
     /// The picture with its samples averaged: rows from the top, RGBA.
     std::vector<Float4> read_floats() const;
@@ -137,11 +137,11 @@ class RasterTarget {
     int width_ = 0, height_ = 0, samples_ = 1;
     Format format_{};
     GlObject colour_, depth_, framebuffer_;
-    GlObject resolved_colour_, resolved_;  ///< with one sample per pixel, if the others have several
+    GlObject resolved_colour_, resolved_;  ///< the averages of several samples per pixel
 };
 
-/// Pictures of the scene with each material: linear radiance and coverage, as from other renderers. Errors: as
-/// above.
+/// Pictures of the scene with each material: linear radiance and coverage, as from other renderers. Returns an error as
+/// `RasterTarget::make` and `RasterMaterial::make` do.
 Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Material> materials, int width, int height,
                                          int samples = 4);
 

@@ -5,8 +5,8 @@
 #include "srbf/vec.h"
 
 namespace SRBF_NAMESPACE {
+
 /// A camera. In its frame x points right, y up and z to the viewer, away from `target`.
-/// A camera. Its frame: x right, y up, z to the viewer, away from `target`.
 struct Camera {
     Vec3d eye{0, 0, 1}, target{0, 0, 0};
     Vec3d up{0, 1, 0};           ///< upwards in the picture; not parallel to the view direction

@@ -88,7 +88,7 @@ struct DecadePlot {
     std::string caption(const std::string& text) const {
         return svg_text((k_left + k_right) / 2, k_height - 8, "middle", text);
     }
-    /// The curve of a slice whose angles are those of the plot plus `shift`.
+    /// The curve of a slice, whose angles are the plot's angles plus `shift`.
     std::string curve_path(const SliceCurve& curve, const LuminanceSlice& slice, double shift, bool is_first) const {
         Outline outline;
         for (std::size_t i = 0; i < slice.degrees.size(); ++i)
@@ -97,7 +97,7 @@ struct DecadePlot {
     }
 };
 
-/// The drawing of lobes: r is a value, the angle that of the viewer.
+/// The drawing of lobes in polar coordinates: the radius is a value, and the angle is the viewer's.
 struct LobePlot {
     static constexpr double radius = 140, x0 = 180, outside = 1.04;
     bool is_circle, is_linear;                 // front and back; not logarithmic

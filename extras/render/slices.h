@@ -32,7 +32,7 @@ inline constexpr int k_slice_decades = 6;
 /// Samples with one angle of incidence, viewed in its plane.
 struct Scan {
     double theta_l = 0;             ///< [degrees]
-    std::vector<double> degrees;    ///< of wv, positive on the side of the mirror direction
+    std::vector<double> degrees;    ///< θv [degrees], positive on the side of the mirror direction
     std::vector<double> luminance;  ///< [1/sr]
 };
 /// The scans with eight samples or more, by ascending θl.

@@ -24,7 +24,7 @@ float automatic_exposure(const Image& image);
 /// The output of a renderer: the radiance of visible surfaces, and their coverage of each pixel.
 struct Rendering {
     Image radiance;  ///< mean over the covered part; 0 where nothing is covered, NaN where nothing was measured
-    std::vector<float> coverage;  ///< of each pixel, 0 to 1
+    std::vector<float> coverage;  ///< covered fraction of each pixel, 0 to 1
 };
 /// The displayed image: tone_map(radiance, exposure) over a neutral grey, k_background.
 Image8 shown(const Rendering& rendering, float exposure);

@@ -25,7 +25,7 @@ struct TimedModel {
     bool by_texture;  ///< evaluates a view-by-view model with an index texture, as in Tsai 2009
 };
 
-/// The models of Tsai 2009's timings, and the default model, if they were fitted.
+/// The models of Tsai 2009's timings, and the model of the main fit, if they were fitted.
 std::vector<TimedModel> timed_models(const Study& study) {
     std::vector<TimedModel> models;
     const Json& fits = study.material.at("fits");
@@ -69,8 +69,8 @@ template <typename Draw> FrameTime time_frame(const Draw& draw, bool on_cpu) {
     return {1e-6 * double(nanoseconds), wall, cpu};
 }
 
-/// The cost of drawing with a material: the minimum over all frames, separately for each clock, and the size of the data
-/// that a pixel looks up.
+/// The cost of drawing with a material: the minimum over all frames, separately for each clock, and the size of the
+/// data that a pixel looks up.
 struct FrameCost {
     FrameTime least;
     std::size_t data_bytes, auxiliary_bytes;

@@ -37,7 +37,7 @@ std::string number(const Json* row, const std::string& column, As as) {
 /// A field as HTML.
 std::string text_of(const Json& row, const char* column) { return html_escaped(field(row.at(column))); }
 
-/// "multivariate, extended"
+/// The title of a fit: "multivariate, extended".
 std::string title_of(const Json& fit) {
     const std::string model = fit["model"];
     if (model == "su")

@@ -48,7 +48,7 @@ struct Plan {
 
 void plan_table(Plan& plan, bool quick) {
     using enum Objective;
-    // The fits that are drawn, the size in Tsai 2009, and sizes and objectives besides the default.
+    // The fits that are drawn, the size in Tsai 2009, and other sizes and objectives.
     for (const int lobes : {6, 8, 12}) plan.pm(PmForm::extended, lobes, 4, appearance, lobes == 8 ? "pm" : "");
     plan.pm(PmForm::extended, 8, 4, cosine, "pm2");
     plan.su(5, appearance, "su");

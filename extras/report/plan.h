@@ -21,9 +21,9 @@ enum class Sweep {
 };
 std::string_view name(Sweep sweep);
 
-/// The fits to a measurement: the sizes and forms of Table 7.1 and Figure 7.6 of Tsai 2009, the defaults of `srbf
-/// fit`, and the baseline. Scattered samples have fewer fits, since each is cross-validated with about a dozen
-/// fits.
+/// The fits to a measurement: the sizes and forms of Table 7.1 and Figure 7.6 of Tsai 2009, other objectives, and
+/// baselines. The main fit, of the role "pm", has eight lobes of the form `extended`, which fits a table as measured;
+/// for scans it has six reciprocal lobes. Samples have fewer fits: each is cross-validated with about a dozen fits.
 std::vector<PlannedFit> plan(const Measured& measured, Sweep sweep, int threads);
 
 }  // namespace srbf

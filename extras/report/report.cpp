@@ -33,7 +33,7 @@ struct ReportCommand {
 /// idle.
 constexpr int k_cores_per_job = 4;
 
-/// Removes unfinished files that a killed run has left in the folder and in those of its materials.
+/// Removes unfinished files that a killed run has left in the folder and in the folders of its materials.
 void remove_unfinished(const std::string& folder) {
     std::error_code none;
     std::vector<fs::path> unfinished;

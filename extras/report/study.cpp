@@ -200,7 +200,7 @@ class StudyMaker {
         return Done{};
     }
 
-    /// Lists the default fit, and writes a page that compares it and GGX with the measurement.
+    /// Lists the main fit (role "pm"), and writes a page that compares it and GGX with the measurement.
     Result<Done> write_exports(Study& study) {
         Json& exports = study.material["exports"] = Json::array();
         const auto subject_of = [&](std::string_view role) -> const Subject* {
@@ -266,7 +266,7 @@ Result<Study> make_study(const std::string& file, const std::string& folder, con
                          const std::function<void(const std::string&, double)>& progress) {
     const fs::path whole = folder, unfinished = whole.parent_path() / ("." + whole.filename().string());
     std::error_code code;
-    fs::remove_all(unfinished, code);  // from an interrupted run
+    fs::remove_all(unfinished, code);  // an interrupted run may have left it
     fs::remove_all(whole, code);
     if (fs::create_directory(unfinished, code); code)
         return Error{unfinished.string(), {}, "cannot be made", "a folder", code.message()};

@@ -9,7 +9,7 @@
 
 namespace SRBF_NAMESPACE {
 
-/// The page that compares the default fit with the measurement.
+/// The page that compares the main fit (role "pm", see `plan`) with the measurement.
 inline constexpr char k_page_file[] = "page.html";
 /// Polar angles of the light in plots of lobes [degrees].
 inline constexpr std::array<double, 3> k_lobe_theta{0, 45, 75};
@@ -20,7 +20,7 @@ struct StudyOptions {
     Sweep sweep = Sweep::whole;
     std::string mesh = "knot";  ///< the mesh of the second picture; see `load_mesh`
     bool z_up = false;
-    int threads = 1;            ///< per fit and picture
+    int threads = 1;            ///< number of threads of each fit and picture
     int jobs = 1;               ///< number of materials processed at the same time
     std::string settings = {};  ///< the options on the command line that a study depends on, for its key
 };
@@ -42,11 +42,12 @@ struct Study {
 Result<std::string> study_name(const std::string& file, const StudyOptions& options);
 /// The study in a folder; none if it is missing or incomplete.
 std::optional<Study> load_study(const std::string& folder);
-/// Makes a study: fits, draws and writes. `progress` receives the stage and the completed fraction. Errors: the
-/// file cannot be read; no fit succeeded; the folder cannot be written.
+/// Makes a study: fits, draws and writes. `progress` receives the stage and the completed fraction. Returns an error if
+/// the file cannot be read, no fit succeeded, or the folder cannot be written.
 Result<Study> make_study(const std::string& file, const std::string& folder, const StudyOptions& options,
                          const std::function<void(const std::string&, double)>& progress);
-/// Measures frames per second of the fitted models and writes frames.json. Errors: the renderer is not available.
+/// Measures frames per second of the fitted models and writes frames.json. Returns an error if the renderer is not
+/// available.
 Result<Done> time_study(Study& study, const StudyOptions& options);
 
 }  // namespace srbf

@@ -89,7 +89,7 @@ Rows by_visible_error(const Tables& tables) {
 
 namespace {
 
-/// The columns of all measures, on both sets of pairs, and of albedo.
+/// The columns of all measures over both sets of pairs, and of the albedo error.
 std::vector<std::string> measure_columns() {
     std::vector<std::string> columns;
     for_measures({}, [&](const std::string& name, double) { columns.push_back(name); });
@@ -139,7 +139,8 @@ std::string source_material(const MaterialEntry& entry) {
     return name == "nickel" ? name : "";
 }
 
-/// The verdict on the default fit, from its pictures of a sphere or, if it has none, from the picture of the ball.
+/// The verdict on the main fit (role "pm"), from its pictures of a sphere or, if it has none, from the picture of the
+/// ball.
 std::string_view verdict_of(const Study& study) {
     PictureErrors errors;
     for (const Json& fit : study.material.at("fits"))

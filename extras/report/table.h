@@ -26,10 +26,10 @@ struct MaterialEntry {
 };
 
 struct Tables {
-    Table materials;  ///< for each file: its origin, masked and clamped values, failures
-    Table fits;       ///< for each fit: its kind, bytes, seconds and errors
+    Table materials;  ///< one row a file: origin, masked and clamped values, failures
+    Table fits;       ///< one row a fit: kind, bytes, seconds and errors
     Table failures;   ///< fits that failed
-    Table pictures;   ///< differences of pictures from that of the measurement
+    Table pictures;   ///< differences of pictures from the measurement's picture
     Table frames;     ///< frames per second, and the size of the data that shaders read
     Table source;     ///< Tsai 2009, Tables 7.1 and 7.2
     std::vector<const Table*> all() const { return {&materials, &fits, &failures, &pictures, &frames, &source}; }
@@ -43,7 +43,7 @@ Rows rows_with(const Table& table, const std::string& column, const Json& value)
 const Json* row_with(const Rows& rows, const std::string& column, const Json& value);
 /// The fit of a material that is drawn in this role.
 const Json* fit_with_role(const Tables& tables, const Json& material, const std::string& role);
-/// The completed materials, sorted by the visible error of the default fit.
+/// The completed materials, sorted by the visible error of the main fit (role "pm").
 Rows by_visible_error(const Tables& tables);
 
 /// The name, title, meaning and format of a measure.

@@ -41,7 +41,7 @@ inline void require_equal_lengths(std::size_t wl, std::size_t wv, std::size_t f)
     if (wl != wv || wl != f) misused("arrays of pairs: expected as many wl, wv and values");
 }
 
-/// `brdf` as an `Evaluate`. It keeps a reference to `brdf`, which must outlive it; a temporary it owns.
+/// `brdf` as an `Evaluate`. It keeps a reference to `brdf`, which must outlive it, or owns a temporary.
 template <Brdf B> Evaluate evaluator(const B& brdf) {
     return [&brdf](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
         require_equal_lengths(wl.size(), wv.size(), f.size());
@@ -65,11 +65,11 @@ struct Channels {
     std::size_t count() const { return wavelengths.empty() ? 3 : wavelengths.size(); }
 };
 
-// A BSDF answers for light and viewer on either side: z > 0 is the front, z < 0 the back. A BRDF is a BSDF that is 0
-// unless both are at the front. A BSDF consists of four parts. To a part both directions are above the horizon: those
-// at the back are mirrored at the surface, (x, y, z) → (x, y, −z). So light that passes straight through, wl = −wv,
-// comes to a part from the mirror direction, as it does in a reflection, and all that is known of BRDFs (models, their
-// bounds at the horizon, fits, sampling) holds for a part.
+// A BSDF has values for light and viewer on either side: z > 0 is the front, z < 0 the back. A BRDF is a BSDF that is 0
+// unless both are at the front. A BSDF consists of four parts. In the frame of a part both directions are above the
+// horizon: directions at the back are mirrored at the surface, (x, y, z) → (x, y, −z). So light that passes straight
+// through, wl = −wv, comes to a part from the mirror direction, as it does in a reflection, and all that is known of
+// BRDFs (models, their bounds at the horizon, fits, sampling) holds for a part.
 
 /// The parts of a BSDF, by the side of the light.
 enum class Part { reflection_front, reflection_back, transmission_front, transmission_back };
@@ -81,8 +81,8 @@ constexpr bool is_transmission(Part part) { return part >= Part::transmission_fr
 constexpr bool is_back(Part part) { return part == Part::reflection_back || part == Part::transmission_back; }
 
 /// BRDFs, in the order of `Part`. An empty part has the values of its counterpart. A transmission follows from the
-/// other one by reciprocity, with light and viewer exchanged. A reflection is that of the other side, as if front and
-/// back were alike. If both are empty, the part is 0.
+/// other one by reciprocity, with light and viewer exchanged. A reflection equals the reflection of the other side, as
+/// if front and back were alike. If both are empty, the part is 0.
 template <typename B> using Parts = std::array<std::shared_ptr<const B>, k_parts>;
 
 /// A part of a BSDF as a function in its own frame.
@@ -94,9 +94,9 @@ Evaluate part_of(Evaluate bsdf, Part part);
 /// τ has nodes on rings of one θ each. It is linear in the azimuth between the nodes of a ring, and linear in θ between
 /// rings. It is constant before the first ring, and falls to 0 at 90°, where readers and fits end mirrors by a ring.
 struct Beam {
-    std::vector<float> theta;        ///< of each ring [rad], increasing, 0..π/2
-    std::vector<Rgb> share;          ///< of the nodes, ring by ring, 0..1 each
-    std::vector<int> azimuths = {};  ///< of each ring the number n of its nodes, at 2πk/n; empty: 1 each
+    std::vector<float> theta;        ///< polar angle of each ring [rad], increasing, 0..π/2
+    std::vector<Rgb> share;          ///< τ at the nodes, ring by ring, 0..1
+    std::vector<int> azimuths = {};  ///< number n of nodes of each ring, at 2πk/n; empty: 1 each
     bool empty() const { return theta.empty(); }
     int nodes(std::size_t ring) const { return azimuths.empty() ? 1 : azimuths[ring]; }
     friend bool operator==(const Beam&, const Beam&) = default;
@@ -104,8 +104,9 @@ struct Beam {
 /// τ of a beam at the direction to the light, in the part's frame on either side; 0 if that is not finite.
 Rgb share_at(const Beam& beam, Vec3f wl);
 
-/// The beams of a BSDF, in the order of `Part`. An empty one is 0, but that of a transmission is its counterpart's by
-/// reciprocity, τ(mirror(wl)), and that of a reflection whose part is empty too is that of the other side.
+/// The beams of a BSDF, in the order of `Part`. An empty beam is 0, except in two cases. In a transmission it follows
+/// from its counterpart by reciprocity, τ(mirror(wl)). In a reflection whose part is empty too, it equals the beam of
+/// the other side.
 using Beams = std::array<Beam, k_parts>;
 /// τ of a part at the direction to the light, in the part's frame on either side.
 Rgb share_at(const Beams& beams, Part part, Vec3f wl);

@@ -11,9 +11,9 @@
 
 SRBF_BEGIN
 
-/// How far from the mirror direction lobe j reflects: the mean of sin²θh over what it reflects at views 5°, 45° and
-/// 70° from the normal, divided by the same mean of Lambert's with the lobe's albedos at these views. 1 for a
-/// constant, about α² or less for facets.
+/// The spread of lobe j about the mirror direction: the mean of sin²θh over the light that it reflects at views 5°, 45°
+/// and 70° from the normal, divided by the same mean for Lambert's BRDF with the lobe's albedos at these views. It is 1
+/// for a constant, and about α² or less for facets.
 double spread(const PmModel& model, int lobe);
 /// The share of each lobe that belongs to the body; the rest belongs to the highlight. A lobe whose `spread` is below
 /// `k_most_highlight_spread` is highlight. From `k_least_body_spread` on it is body. Between the two limits there are
@@ -26,7 +26,7 @@ std::vector<double> body_shares(const PmModel& model);
 // The edits. Colours are factors of linear R, G, B.
 
 /// Widens the highlight as facets of `factor` times the roughness would: slopes of half vectors are divided by it, at
-/// the same angle of the light to the half vector, and masking is that of GGX facets of the new roughness. A refit.
+/// the same angle of the light to the half vector, and GGX facets of the new roughness give the masking. A refit.
 struct Roughen {
     double factor = 1;  ///< 0.1..10
 };
@@ -39,21 +39,21 @@ struct Tint {
 struct Saturate {
     double factor = 1;  ///< 0..4
 };
-/// Turns the colour of each lobe about grey, at the same luminance; a channel below 0 counts as 0.
+/// Rotates the colour of each lobe about grey, at the same luminance; a channel below 0 counts as 0.
 struct TurnHue {
     double degrees = 0;  ///< −360..360
 };
 /// Covers the surface by a clear dielectric layer with a rough interface. With T the share of light that the interface
 /// does not reflect, and the directions l', v' refracted at it,
 ///   ρ = ρ_interface + T(l) T(v) / n² (ρ'(l', v') + ρ_again(l', v')) tint^p,
-/// where ρ' is the model with its highlight widened by the rough interface, ρ_again what is reflected more than once
-/// between base and interface, and p half of 1/cosθ'l + 1/cosθ'v. Symmetric if ρ is. A refit.
+/// where ρ' is the model with its highlight widened by the rough interface, ρ_again the light that is reflected more
+/// than once between base and interface, and p half of 1/cosθ'l + 1/cosθ'v. Symmetric if ρ is. A refit.
 struct Coat {
     double roughness = 0.1;  ///< α of the interface, 0.02..1
     double ior = 1.5;        ///< n, 1.05..3
-    Rgb tint{1, 1, 1};       ///< of light that passes twice through the layer along the normal, each 0..1
+    Rgb tint{1, 1, 1};       ///< transmittance of two passes through the layer along the normal, 0..1
 };
-/// Turns the tangent; an isotropic model stays as it is.
+/// Rotates the tangent about the normal; an isotropic model stays as it is.
 struct Rotate {
     double degrees = 0;  ///< −360..360, from x to y
 };
@@ -66,23 +66,24 @@ using Edit = std::variant<Roughen, Tint, Saturate, TurnHue, Coat, Rotate, Reduce
 std::string text(const Edit& edit);
 
 struct EditOptions {
-    /// Lobes of a refit; none: those of the model, and three more under a coat.
+    /// Number of lobes of a refit; none: the number of the model, and three more under a coat.
     std::optional<int> lobes = {};
-    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
     ProgressToken progress = {};
 };
 
 /// Applies the edits in their order. Refits minimise the objective appearance (metrics.h) against the edited model's
 /// own function. A directional albedo stays at most 1, or the model's largest: where an edit exceeds it, lobes are
-/// lowered, and "limited" of the provenance says how far it went. A reciprocal model stays reciprocal. The provenance
-/// keeps where the model comes from, gets "edits", and loses the errors of the measurement. Errors: not a multivariate
-/// model; of colours and refits, a spectral model; a number out of range; cancelled.
+/// lowered, and the entry "limited" of the provenance states how far the edit went. A reciprocal model stays
+/// reciprocal. The provenance keeps where the model comes from, gets "edits", and loses the errors of the measurement.
+/// Returns an error if the model is not multivariate, if edits of colours or refits get a spectral model, if a number
+/// is out of range, or if it is cancelled.
 Result<Model> edited(const Model& model, std::span<const Edit> edits, const EditOptions& options = {});
 
 /// (1 − mix) a + mix b, with the lobes and variates of both: an exact sum, before coefficients are rounded. Models of
 /// different forms become one of the form that has all their terms; a reciprocal model beside one that is not becomes
-/// twice as many lobes and variates. Errors: mix outside 0..1; not two multivariate models; spectra at other
-/// wavelengths; more than 8 variates or 1024 lobes together.
+/// twice as many lobes and variates. Returns an error if mix is outside 0..1, if the models are not both multivariate
+/// or have spectra at different wavelengths, or if they have more than 8 variates or 1024 lobes together.
 Result<Model> blended(const Model& a, const Model& b, double mix);
 
 SRBF_END

@@ -23,11 +23,11 @@ double log10(double x);
 /// ln(1 + x): 3 ulp; NaN below −1.
 double log1p(double x);
 constexpr double square(double x) { return x * x; }
-/// x^y = e^(y ln x), within 2 + 2 |y ln x| ulp; for x < 0 that of −x with its sign if y is whole, otherwise NaN.
+/// x^y = e^(y ln x), within 2 + 2 |y ln x| ulp; for x < 0 it is ±(−x)^y if y is whole, otherwise NaN.
 double pow(double x, double y);
 /// ∛x: 1 ulp, of either sign.
 double cbrt(double x);
-/// x in radians: 3 ulp for |x| ≤ 10⁵; beyond, that of the remainder of x by the double 2π. NaN of ∞.
+/// x in radians: 3 ulp for |x| ≤ 10⁵; beyond, the sine or cosine of the remainder of x by the double 2π. NaN for ∞.
 double sin(double x);
 double cos(double x);
 /// The angle of the point (x, y) in [−π, π]: 4 ulp. Signs and zeros as in <cmath>.

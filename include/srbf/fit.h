@@ -21,7 +21,7 @@ SRBF_BEGIN
 struct Trial {
     int lobes = 0;
     std::size_t bytes = 0;
-    double error = 0;  ///< of a table the mean ΔE_ITP; of samples held out, by the objective's measure
+    double error = 0;  ///< mean ΔE_ITP for a table; for samples the held-out error that the objective minimises
 };
 
 /// J, the number of lobes of a multivariate model, 1..k_most_fitted_lobes.
@@ -29,8 +29,9 @@ struct LobeCount {
     int lobes = row_of(k_default_form).lobes;
 };
 /// Chooses J. For a table it is the first of 2, 3, 4, 6, 9, 12, 16 and 24 for which pictures of a sphere have at most
-/// this mean ΔE_ITP (metrics.h) against what is fitted, or else 24. For samples it is the fewest of 2 to 12 lobes whose
-/// cross-validated error is within 3 % of the least, or, if their gaps are filled, the most that the samples determine.
+/// this mean ΔE_ITP (metrics.h) against the fitted function, or else 24. For samples it is the fewest of 2 to 12 lobes
+/// whose cross-validated error is within 3 % of the least, or, if their gaps are filled, the most that the samples
+/// determine.
 struct AutomaticLobes {
     std::optional<double> delta_e = {};  ///< (0, 100], of a table; none: k_default_delta_e
 };
@@ -42,11 +43,11 @@ struct PmRequest {
     static constexpr std::string_view k_name = "pm";
     static constexpr std::string_view k_about = "parameterized multivariate SRBFs, one sum of lobes for the whole BRDF";
     /// The form of a lobe. If it is not set, a table is fitted by `reciprocal`, and samples, light that passes through
-    /// a surface and patches of directions by `extended`. A reciprocal form is fitted to the mean of what reached the
-    /// instrument, (cosθv f(ωl, ωv) + cosθl f(ωv, ωl)) / (cosθv + cosθl).
+    /// a surface and patches of directions by `extended`. A reciprocal form is fitted to the mean of the signals that
+    /// reached the instrument, (cosθv f(ωl, ωv) + cosθl f(ωv, ωl)) / (cosθv + cosθl).
     std::optional<PmForm> form = {};
-    std::optional<int> variates = {};  ///< N, 1..k_most_variates; none: that of the form
-    std::optional<PmSize> size = {};   ///< none: the number of the form for a table, automatic for samples
+    std::optional<int> variates = {};  ///< N, 1..k_most_variates; none: `FormRow::variates`
+    std::optional<PmSize> size = {};   ///< none: `FormRow::lobes` for a table, automatic for samples
     std::optional<bool> axial = {};    ///< none: axial if the measurement is isotropic
     /// Limit on the directional albedo of a channel; infinity: there is none. None: 1 in a reciprocal form, infinity in
     /// others.
@@ -73,8 +74,8 @@ struct FitRequest {
     Objective objective = k_default_objective;
     std::optional<double> max_theta = {};  ///< θmax of the fit and of all errors [rad]; none: the objective's default
     bool spectral = false;                 ///< a coefficient for each wavelength of the measurement; PM only
-    std::uint64_t seed = 0;                ///< of the random numbers
-    int threads = 0;                       ///< 0: as many as the machine has; the outcome does not depend on it
+    std::uint64_t seed = 0;                ///< seed of the random numbers
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
 
     double theta() const { return max_theta.value_or(default_max_theta(objective)); }  ///< [rad]
 };
@@ -89,15 +90,15 @@ struct Noise {
 
 /// A fitted model with its errors and statistics.
 struct FitOutcome {
-    Model model;  ///< as stored; its provenance has objective, max_theta, seed, and the errors once they are measured
-    std::optional<StopReason> stop;  ///< of an iterative fit
+    Model model;  ///< the stored model; its provenance has options of the fit, and errors once they are measured
+    std::optional<StopReason> stop;  ///< why an iterative fit stopped
     double max_theta = 0;            ///< [rad]
     double fit_seconds = 0;          ///< without the measurement of errors, which includes cross-validation
     std::uint64_t masked = 0;        ///< number of evaluated pairs where nothing was measured
     std::uint64_t clamped = 0;       ///< number of negative channel values among them; set to 0 unless they are noise
-    double largest_albedo = 1;       ///< of a channel of what was fitted, at views up to 80°; 1 if that is larger
-    /// The noise of a table. If more than 30 % of pairs are negative (`Noise::negative`), the fit keeps negative values,
-    /// as noise about a mean.
+    double largest_albedo = 1;  ///< largest albedo of the observations in a channel, at views up to 80°; at least 1
+    /// The noise of a table. If more than 30 % of pairs are negative (`Noise::negative`), the fit keeps negative
+    /// values, as noise about a mean.
     std::optional<Noise> noise;
     /// The bytes of the data as 32-bit floats: at all pairs of 1536 directions (SU: of the sampled ones), or at the
     /// samples.
@@ -123,8 +124,8 @@ struct FitOutcome {
     std::optional<Appearance> against_smoothed;
 };
 
-/// Fits one BRDF repeatedly. It keeps the observations, so that later fits start at once. Not thread-safe. Errors of
-/// all members: those of the stages, and `cancelled`.
+/// Fits one BRDF repeatedly. It keeps the observations, so that later fits start at once. Not thread-safe. All members
+/// return the errors of the stages of a fit, and one with the code `cancelled`.
 class Fitter {
   public:
     /// Keeps a reference to `measured`, which must outlive it.
@@ -137,11 +138,11 @@ class Fitter {
     Fitter& operator=(Fitter&&) noexcept;
     ~Fitter();
 
-    /// Fits the requested model. For scattered samples this also measures the errors. Errors: a two-sided
+    /// Fits the requested model. For scattered samples this also measures the errors. Returns an error for a two-sided
     /// measurement; `measure` takes its front reflection.
     Result<FitOutcome> fit(const FitRequest& request, const ProgressToken& progress = {});
-    /// A first model of PM: of a table by a search of a few tens of milliseconds, of samples the fit to all of them,
-    /// without cross-validation. Without a number of lobes it has that of the form.
+    /// A first multivariate model. For a table a search of a few tens of milliseconds finds it. For samples it is the
+    /// fit to all of them, without cross-validation. If no number of lobes is requested, it has `FormRow::lobes`.
     Result<FitOutcome> draft(const FitRequest& request, const ProgressToken& progress = {});
     /// Measures the errors of `outcome` and adds them to its provenance.
     Result<Done> measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress = {}) const;
@@ -152,18 +153,18 @@ class Fitter {
 };
 
 /// Fits a measurement and measures the errors of the model: everything that `srbf fit` does between reading and
-/// writing. Errors: a two-sided measurement, which `fit_bsdf` fits.
+/// writing. Returns an error for a two-sided measurement, which `fit_bsdf` fits.
 Result<FitOutcome> fit(const Measured& measured, const FitRequest& request, const ProgressToken& progress = {});
 /// Fits a BRDF as a function.
 Result<FitOutcome> fit(Evaluate f, const FitRequest& request, const ProgressToken& progress = {});
 
 /// A noisy table smoothed to its noise, as fits see it (docs/notes/noise.md). Keeps a reference to `measured`, which
-/// must be isotropic. Errors: not a table of one BRDF; it is not noisy; cancelled.
+/// must be isotropic. Returns an error if it is not a table of one BRDF or not noisy, or if it is cancelled.
 Result<Evaluate> smoothed_to_noise(const Measured& measured, int threads = 0, const ProgressToken& progress = {});
 
 /// Light that leaves a surface for a direction of the incident light.
 struct Hemispherical {
-    double theta = 0;     ///< of the incident light [rad]
+    double theta = 0;     ///< polar angle of the incident light [rad]
     double phi = 0;       ///< its azimuth in the part's frame [rad]
     double measured = 0;  ///< Σ over outgoing directions of f cosθ dω, with the beam; green [1]
     double fitted = 0;
@@ -172,9 +173,9 @@ struct Hemispherical {
 /// The fit of a part.
 struct PartFit {
     Part part = Part::reflection_front;
-    std::optional<Part> answered_by;  ///< the part that answers for it too; none: it has a model of its own
+    std::optional<Part> answered_by;  ///< the part whose model it uses; none: it has a model of its own
     bool black = false;               ///< all values are 0
-    FitOutcome outcome;  ///< of its own model; without errors of pictures where its table says how it is fitted
+    FitOutcome outcome;               ///< fit of the part's own model; a fit of patches has no errors of pictures
     /// Σ w (f − f̂)² / Σ w f², without beams: at pairs of directions within 80°, w both cosines,
     /// unless the table is fitted in a way of its own.
     double squared_error_ratio = 0;
@@ -189,12 +190,12 @@ struct BsdfOutcome {
     double most_measured = 0, most_fitted = 0;
 };
 
-/// Fits the parts of a two-sided measurement: those that are like their counterparts, with a squared error ratio of at
-/// most 1e-4, only once. A part is fitted like the measurement of a BRDF; patches are fitted to their sums. Beams are
-/// kept as they are. Errors: those of `fit`; a measurement of one side.
+/// Fits the parts of a two-sided measurement. A part that equals its counterpart, with a squared error ratio of at most
+/// 1e-4, uses its model. A part is fitted like the measurement of a BRDF; patches are fitted to their sums. Beams are
+/// kept as they are. Returns an error if `fit` does, and for a measurement of one side.
 Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request, const ProgressToken& progress = {});
 
-/// Fits a BSDF that is given as functions in the parts' frames, none for those that are 0.
+/// Fits a BSDF that is given as functions in the parts' frames, null for parts that are 0.
 Result<BsdfOutcome> fit_bsdf(const std::array<Evaluate, k_parts>& parts, const FitRequest& request,
                              const ProgressToken& progress = {});
 

@@ -11,9 +11,9 @@
 SRBF_BEGIN
 
 /// Refers to a T, which is destroyed with the last of the copies, or to none by default: a std::shared_ptr<const T> for
-/// headers that are compiled often, since <memory> takes longer than they do. The type T counts: it is made with one use,
-/// and `add_use(const T&)` and `end_use(const T&)`, which any thread may call, count and destroy it. A move is a copy, so
-/// that a `Shared` that was moved from still refers to its T.
+/// headers that are compiled often, since <memory> takes longer than they do. The type T counts: it is made with one
+/// use, and `add_use(const T&)` and `end_use(const T&)`, which any thread may call, count and destroy it. A move is a
+/// copy, so that a `Shared` that was moved from still refers to its T.
 template <typename T> class Shared {
   public:
     Shared() = default;
@@ -57,7 +57,7 @@ struct LoadedBrdf {
 /// nothing: `value`, `evaluate`, `pdf` and `albedo` are 0, and no sample has a direction.
 class PreparedBrdf {
   public:
-    /// Writes R, G, B of f_r and one number to spare to `colour`, which is aligned to 16 bytes.
+    /// Writes R, G, B of f_r and one unused number to `colour`, which is aligned to 16 bytes.
     using Value = void (*)(const void* brdf, const Vec3f& wl, const Vec3f& wv, float* colour);
     struct Contents;  ///< Value and the rest for one type of BRDF
     PreparedBrdf() = default;
@@ -71,7 +71,7 @@ class PreparedBrdf {
         alignas(16) float colour[4];
         value_(held_, wl, wv, colour);
         Rgb f;
-        std::memcpy(&f, colour, sizeof f);  // as it was stored
+        std::memcpy(&f, colour, sizeof f);  // the stored bytes
         return f;
     }
 

@@ -11,10 +11,11 @@ SRBF_BEGIN
 
 /// A measurement or a model.
 using AnyBrdf = std::variant<Measured, Model>;
-/// True if it is a BSDF, which answers on the front and the back (brdf.h).
+/// True if it is a BSDF, which has values on the front and the back (brdf.h).
 bool is_two_sided(const AnyBrdf& brdf);
-/// Reads a measurement or a model, recognised by its content. "FILE#X,Y" and "FILE#T" are texels of a map (map.h), unless
-/// there is a file of that name. `options` are for measurements. Errors: those of load_measured and load_model.
+/// Reads a measurement or a model, recognised by its content. "FILE#X,Y" and "FILE#T" are texels of a map (map.h),
+/// unless there is a file of that name. `options` are for measurements. Returns an error if load_measured or load_model
+/// does.
 Result<AnyBrdf> load_brdf(const std::string& path, const ReadOptions& options = {});
 /// Reads a map too.
 Result<std::variant<Measured, Model, TexelMap>> load_brdf_or_map(const std::string& path,

@@ -13,8 +13,8 @@
 
 SRBF_BEGIN
 
-/// T texels whose BRDFs are sums of J shared lobes E_j: ρ_t = Σ_j β_tj E_j [1/sr], so that the mean of two texels is the
-/// mean of their coefficients.
+/// T texels whose BRDFs are sums of J shared lobes E_j: ρ_t = Σ_j β_tj E_j [1/sr], so that the mean of two texels is
+/// the mean of their coefficients.
 struct TexelMap {
     PmModel basis;                 ///< E_j: a model in R, G, B whose coefficients are 1
     std::size_t width = 0;         ///< texels in a row, a divisor of T
@@ -29,14 +29,14 @@ struct TexelMap {
 
 /// Texel t as a model of its own.
 Model texel(const TexelMap& map, std::size_t t);
-/// The texel that is named so: X,Y, or T.
+/// The index of the texel with the name "X,Y" or "T".
 std::optional<std::size_t> find_texel(const TexelMap& map, std::string_view name);
 
-/// The file has the tensors of a model file for the lobes, with `coefficient` [T,J,3] instead of [J,3], and `aux.error`,
-/// F16 [T]. The metadata `width` has the width.
+/// The file has the tensors of a model file for the lobes, with `coefficient` [T,J,3] instead of [J,3], and
+/// `aux.error`, F16 [T]. The metadata `width` has the width.
 std::vector<std::byte> write_map(const TexelMap& map);
-/// Without the metadata `width` the texels are a row. Errors: as in `read_model`; a library of version 0.1 whose
-/// materials have lobes of their own.
+/// Reads a map. Without the metadata `width` the texels are a row. Returns an error as `read_model` does, and for a
+/// library of version 0.1, whose materials have lobes of their own.
 Result<TexelMap> read_map(std::span<const std::byte> bytes, const std::string& file_name);
 
 SRBF_END

@@ -64,7 +64,7 @@ struct RglTable {
     /// of a spectral file, in the file's layout: slices × wavelengths × height × width of `colour`
     std::vector<float> spectra;
     std::vector<float> phi_l;  ///< [rad], increasing; there are slices for each. Empty: isotropic
-    int symmetry = 1;  ///< of the measured azimuths: 1 none, 2 the other half is rotated by π, 4 mirrored at both axes
+    int symmetry = 1;  ///< measured azimuths: 1 all, 2 half (others by rotation by π), 4 a quarter (others by mirrors)
     bool jacobian = true;
     std::vector<float> theta_l;  ///< [rad], increasing; a slice for each
     Profile ndf;                 ///< microfacet distribution
@@ -87,7 +87,7 @@ struct MbsdfTable {
     bool grey = false;           ///< one number a sample in the file: the channels are equal
     std::vector<Rgb> cells;    ///< f_r [1/sr]; k varies fastest, then j; negative channels not yet clamped. NaN: masked
     std::uint64_t masked = 0;  ///< samples that are not finite
-    std::vector<Entry> metadata;  ///< in the order of the file
+    std::vector<Entry> metadata;  ///< the header's lines, in the order of the file
 };
 
 class SampleIndex;
@@ -109,11 +109,11 @@ struct ScatteredSamples {
     std::vector<Vec3f> wl, wv;       ///< unit vectors, above the horizon
     std::vector<Rgb> colour;         ///< f_r [1/sr] of each sample, negative channels not yet clamped
     std::vector<float> spectrum;     ///< f_r [1/sr], samples × wavelengths
-    std::vector<float> weight;       ///< what each counts in a fit, by its uncertainty; empty: 1
+    std::vector<float> weight;       ///< weight of each in a fit, by its uncertainty; empty: 1
     std::uint64_t masked = 0;  ///< samples of the file that were dropped: not finite, below the horizon, or −999
     /// search structure for `value`; `make_index` builds it from wl, wv and colour
     std::shared_ptr<const SampleIndex> index;
-    std::vector<std::string> notes;  ///< what its reader masked or assumed beyond the format, a line each
+    std::vector<std::string> notes;  ///< a line for each thing that the reader masked or assumed
     /// solid angle [sr] of the detector's aperture, at a wavelength [nm]; empty: not stated
     std::vector<std::array<float, 2>> receiver;
 };
@@ -122,9 +122,9 @@ struct ScatteredSamples {
 void make_index(ScatteredSamples& samples);
 
 struct TableFunctions;
-/// A table that only its format reads: its values, and what else its format knows of it.
+/// A table of a type that only its format knows: its values, and functions of the format.
 struct EvaluatedTable {
-    /// f_r [1/sr] as `signed_value` has it: 0 below the horizon, NaN in every channel where nothing was measured
+    /// f_r [1/sr] as `signed_value` returns it: 0 below the horizon, NaN in every channel where nothing was measured
     Evaluate values;
     bool isotropic = true;
     std::shared_ptr<const void> table = {};  ///< the format's own table, a T, see `own_table`
@@ -141,8 +141,8 @@ struct BsdfTable {
         Parts<Measured> part;
         Beams beam;
     };
-    std::vector<Band> bands;  ///< at least one
-    std::size_t chosen = 0;   ///< the one that all functions look up
+    std::vector<Band> bands;  ///< one band or more
+    std::size_t chosen = 0;   ///< index of the band that all functions look up
     std::string description;
     const Band& band() const { return bands[chosen]; }
 };
@@ -173,8 +173,8 @@ std::vector<std::string> notes(const Measured& measured);
 /// where nothing was measured, and otherwise finite. A channel is negative where a saturated colour lies outside of the
 /// gamut.
 /// Tables are interpolated linearly. MERL's tables use the measured ones of eight nodes. UTIA's (extrapolated beyond
-/// 75°) and MBSDF's have no value if one of the nodes was not measured. Along the normal, where tables other than MERL's
-/// need an azimuth that the pair lacks, it is the mean over azimuths.
+/// 75°) and MBSDF's have no value if one of the nodes was not measured. Along the normal, where tables other than
+/// MERL's need an azimuth that the pair lacks, it is the mean over azimuths.
 Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv);
 
 /// `signed_value` of a table or a measurement, with negative channels set to 0.
@@ -195,22 +195,22 @@ std::span<const float> wavelengths(const Measured& measured);
 Channels spectra(const Measured& measured);
 Channels spectra(const Measured&&) = delete;
 
-/// Chooses the band with that name, whatever the case of its letters. Errors: it has no such band.
+/// Chooses the band with that name, whatever the case of its letters. Returns an error if there is no such band.
 Result<Done> choose_band(Measured& measured, std::string_view name);
 
 /// The quantity of the values of samples.
 enum class Quantity {
-    stated,  ///< as the file states it, or else f
+    stated,  ///< the quantity that the file states, or else f
     bsdf,    ///< f [1/sr]
     factor,  ///< the reflectance factor, π f
     cosine,  ///< corrected by the cosine, f cosθ_v [1/sr]
 };
 
-/// Statements about a file of samples, for what the file itself does not say.
+/// Statements about a file of samples that the file itself lacks.
 struct ReadOptions {
     /// Names of the columns of a file of numbers, as a CSV file has them, separated by blanks or commas. They replace
     /// the names in the file. An entry may also be a constant, such as phi_l_deg=180. If the text is empty or has
-    /// constants alone, the names are those of the file.
+    /// constants alone, the file names its columns.
     std::string columns;
     Quantity quantity = Quantity::stated;
     /// Samples whose values are no more than this in any channel are masked: bounds, not measurements.
@@ -218,8 +218,8 @@ struct ReadOptions {
     bool any() const { return !columns.empty() || quantity != Quantity::stated || floor > 0; }
 };
 
-/// Reads a measurement of any known format, recognised by its content. Errors: those of the formats; `wrong_kind`: a
-/// fitted model; samples that are stated by `options` and are none.
+/// Reads a measurement of any known format, recognised by its content. Returns an error if the format's reader does or
+/// if `options` are for samples and the file has none; the code is `wrong_kind` for a fitted model.
 Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& file_name,
                                const ReadOptions& options = {});
 Result<Measured> load_measured(const std::string& path, const ReadOptions& options = {});

@@ -36,19 +36,19 @@ struct Measures {
 struct PictureErrors {
     double delta_e = 0;  ///< ΔE_ITP (ITU-R BT.2124) for a display of 100 cd/m²; 1 is just noticeable
     double flip = 0;     ///< ꟻLIP, 0 to 1; see `flip_map`
-    double psnr = 0;     ///< of the sRGB encoded picture [dB], at most 100
+    double psnr = 0;     ///< PSNR of the sRGB encoded picture [dB], at most 100
     double rms = 0;      ///< √(Σ(L−L̂)² / ΣL²) of linear radiance, before exposure
 };
 /// The errors under eight lightings (docs/accuracy.md).
 struct Appearance {
     PictureErrors mean;
     double worst_delta_e = 0;
-    std::vector<PictureErrors> lighting;  ///< of each
+    std::vector<PictureErrors> lighting;  ///< the errors under each lighting
 };
 
 struct MeasureOptions {
     double max_theta = 0;         ///< θmax [rad], of both directions; in (0, π/2]
-    int threads = 0;              ///< 0: as many as the machine has; the result does not depend on it
+    int threads = 0;              ///< number of threads; 0: all of the machine. The result does not depend on it
     ProgressToken progress = {};  ///< if it is cancelled, the returned values are meaningless
     bool pictures = true;         ///< `compare`: false leaves `Comparison::appearance` empty
     bool isotropic = false;       ///< `compare`: all BRDFs are, and pictures take a third of the time
@@ -66,12 +66,12 @@ struct Comparison {
     /// Largest relative error |Â/A − 1| of the luminance of the albedo at 0, 30, 60 and 75° within θmax.
     double albedo_error = 0;
     Appearance appearance = {};
-    /// For fits to scattered samples, where `appearance` is against samples with gaps filled: the mean of the fits to all
-    /// folds but one, against the same. Where it is much larger, the samples do not determine the pictures.
+    /// For fits to scattered samples, where `appearance` is against samples with gaps filled: the mean of the fits to
+    /// all folds but one, against the same samples. Where it is much larger, the samples do not determine the pictures.
     std::optional<Appearance> heldout_appearance = {};
     /// For fits to scattered samples: ΔE_ITP of a picture with a pixel for each sample, f cosθl in directional light.
     double samples_delta_e = 0;
-    double Measures::*measure = nullptr;  ///< for fits to scattered samples: the one that the objective minimises
+    double Measures::*measure = nullptr;  ///< the measure that a fit to samples minimises; null for a table
 };
 /// Compares each of `others` with `reference`; the matrix covers all pairs of `directions`, which may be none.
 std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evaluate> others,
@@ -86,12 +86,12 @@ enum class Objective {
     // The next three are second-order approximations in f − f̂, with the mean of the channels in place of each channel:
     log,        ///< Σ (log(1 + f cosθl) − log(1 + f̂ cosθl))² cosθv
     cube_root,  ///< Σ (∛f − ∛f̂)²; where f is below a hundredth of its mean, with the weight at that value
-    /// Σ (log f − log f̂)² over what is above 0: an error of a tenth counts alike in the dark and in a peak
+    /// Σ (log f − log f̂)² over values above 0: an error of a tenth counts alike in the dark and in a peak
     relative,
-    /// Errors of pictures: Σ (⁶√(f cosθl + s) − ⁶√(f̂ cosθl + s))² cosθv, s = k_dark_share times the upper
-    /// quartile q of f cosθl; as much of Σ (∛(f cosθl + q) − ∛(f̂ cosθl + q))² √cosθv and 0.03 of cosine's sum, each
-    /// scaled to Σ w |f|² = 1; and for a multivariate model ΔE_ITP of pictures of a sphere. The eye's response to a
-    /// display is about the sixth root of its luminance (the exponent 0.159 of the perceptual quantiser, ITU-R BT.2100).
+    /// Errors of pictures: Σ (⁶√(f cosθl + s) − ⁶√(f̂ cosθl + s))² cosθv, s = k_dark_share times the upper quartile q
+    /// of f cosθl; as much of Σ (∛(f cosθl + q) − ∛(f̂ cosθl + q))² √cosθv and 0.03 of cosine's sum, each scaled to Σ w
+    /// |f|² = 1; and for a multivariate model ΔE_ITP of pictures of a sphere. The eye's response to a display is about
+    /// the sixth root of its luminance (the exponent 0.159 of the perceptual quantiser, ITU-R BT.2100).
     appearance,
 };
 inline constexpr Objective k_default_objective = Objective::appearance;
@@ -105,7 +105,7 @@ double default_max_theta(Objective objective);
 enum class StopReason {
     converged,   ///< the last steps predicted a relative decrease below 1e-7, or none lowered the sum
     iterations,  ///< the iteration limit was reached while steps still lowered the sum, possibly by too little to go on
-    cancelled,   ///< by the progress token; the model is the best so far
+    cancelled,   ///< the progress token cancelled the fit; the model is the best so far
 };
 std::string_view name(StopReason reason);
 

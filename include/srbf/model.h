@@ -38,10 +38,10 @@ struct Model {
     AnyModel model;
     std::map<std::string, std::string> provenance;  ///< source file, options, errors, version
 };
-/// The kind of a model as its file has it: "bsdf", or the name in its request.
+/// The kind of a model as its file states it: "bsdf", or the name in its request.
 std::string_view kind(const Model& model);
 
-/// f(wl, wv); of a BSDF on either side, without the beams.
+/// f(wl, wv); for a BSDF on either side, without the beams.
 Rgb value(const Model& model, Vec3f wl, Vec3f wv);
 
 /// f[i] = value(model, wl[i], wv[i]), with the widest SIMD instructions of the machine. The spans have the same length.
@@ -68,14 +68,17 @@ std::size_t auxiliary_bytes(const Model& model);
 
 /// The model file: a safetensors container of 16-bit floats, described in docs/formats.md.
 std::vector<std::byte> write_model(const Model& model);
-/// Errors: not a model file; tensors that are missing, of another type or shape, overlapping or with gaps between them;
-/// numbers that are not finite or out of range; `wrong_kind`: a measurement, a map of texels. `file_name` appears in errors only.
+/// Reads the bytes of a model file. Returns an error if they are none; if tensors are missing, have another type or
+/// shape, overlap or leave gaps; or if numbers are not finite or out of range. The code is `wrong_kind` for a
+/// measurement or a map. `file_name` appears in errors only.
 Result<Model> read_model(std::span<const std::byte> bytes, const std::string& file_name);
 
-/// Writes `write_model(model)` to the file at `path`, which holds its previous content if there is an error. Errors:
-/// those of `write_file` (file.h); a coefficient above k_half_max; the provenance is too long to be read again.
+/// Writes `write_model(model)` to the file at `path`, which holds its previous content if there is an error. Returns an
+/// error if `write_file` (file.h) does, if a coefficient is above k_half_max, or if the provenance is too long to be
+/// read again.
 Result<Done> save_model(const Model& model, const std::string& path);
-/// Reads the model file at `path`. Errors: those of `read_file` (file.h) and of `read_model`; not enough memory.
+/// Reads the model file at `path`. Returns an error if `read_file` (file.h) or `read_model` does, or if memory does not
+/// suffice.
 Result<Model> load_model(const std::string& path);
 
 SRBF_END

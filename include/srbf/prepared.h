@@ -31,8 +31,8 @@ struct BrdfParts {
 PreparedBrdf prepare(BrdfParts parts);
 
 /// Prepares a model, or the front of a BSDF (prepared_bsdf.h prepares its front and back). The first overload computes
-/// a sampling density by `propose` and `refine`, which takes about 50 ms of a core. The second samples by the cosine,
-/// for use without `sample`. Those of anisotropic models have a smaller variance with `k_anisotropic_azimuths`.
+/// a sampling density by `propose`, which takes about 50 ms of a core. The second samples by the cosine, for use
+/// without `sample`. Samples of anisotropic models have a smaller variance with `k_anisotropic_azimuths`.
 PreparedBrdf prepare(const Model& model, const ProposeOptions& options = {});
 PreparedBrdf prepare(const Model& model, CosineProposal by_cosine);
 /// Prepares a measurement in the same way. Values that were not measured are NaN in `value` and `evaluate`;

@@ -38,7 +38,7 @@ class PreparedBsdf {
     /// The probabilities of sampling reflection, transmission and their beams, for a viewer.
     struct Chances;
     Chances chances(Vec3f wv) const;
-    /// The probability that `sample` chooses this part, which must be there.
+    /// The probability that `sample` chooses this part, which must exist.
     float chance(Part part, Vec3f wv) const;
 
     PreparedParts parts_;

@@ -22,7 +22,7 @@ enum class ErrorCode {
 };
 std::string_view name(ErrorCode code);
 
-/// The part of an input that is wrong, what was expected there and what was found.
+/// An error: the part of an input that is wrong, the value expected there, and the value found.
 struct Error {
     std::string source;                   ///< the file name, or the computation that reports the error
     std::optional<std::uint64_t> offset;  ///< byte (binary) or line (text), if known

@@ -33,7 +33,7 @@ struct Facets {
 using FacetTerms = std::array<Facets, 2>;
 FacetTerms facets_of(const GgxModel& model);
 FacetTerms facets_of(const OpenPbrModel& model);
-/// Other BRDFs have none.
+/// Models without facets have none.
 template <typename Other> std::optional<FacetTerms> facets_of(const Other&) { return {}; }
 std::optional<FacetTerms> facets_of(const Model& model);
 template <typename... Kinds> std::optional<FacetTerms> facets_of(const std::variant<Kinds...>& any) {
@@ -56,7 +56,7 @@ class MixtureProposal {
     static constexpr int k_components = k_lobes + int(std::tuple_size_v<FacetTerms>);
     using Row = std::array<float, k_lobes>;
 
-    /// The weights of the lobes at node i, where ∜cosθv = 1 − 0.9 i / 14; with those of the facets they sum to 1.
+    /// The weights of the lobes at node i, where ∜cosθv = 1 − 0.9 i / 14; together with `facet_weight` they sum to 1.
     const Row& weight(std::size_t node) const { return weight_[node]; }
     /// The running sums of the weights.
     const Row& running(std::size_t node) const { return running_[node]; }
@@ -77,9 +77,9 @@ class MixtureProposal {
   private:
     alignas(64) std::array<Row, k_nodes> weight_{}, running_{};
 };
-/// The selector chooses a lobe, and u a direction of it. The domain is that of every proposal, above.
+/// The selector chooses a lobe, and u a direction of it. The domain is the same for every proposal, above.
 Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector);
-/// Is 0 if wl.z or wv.z is 0, negative or subnormal.
+/// The density; 0 if wl.z or wv.z is 0, negative or subnormal.
 float pdf(const MixtureProposal& proposal, Vec3f wl, Vec3f wv);
 /// A direction and its density [1/sr], as `sample` and `pdf` return them. If there is no direction, wl.z ≤ 0 and
 /// pdf is 0.
@@ -94,8 +94,8 @@ struct ProposeOptions {
     /// may be stretched along an axis. Of the functions of this header only `propose(model)` chooses it, for facets
     /// that are rougher along a tangent.
     int azimuths = 1;
-    int threads = 0;                        ///< 0: as many as the machine has; the result does not depend on it
-    std::optional<FacetTerms> facets = {};  ///< of a BRDF that consists of them, `facets_of`
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
+    std::optional<FacetTerms> facets = {};  ///< the facets of a BRDF that has some, `facets_of`
 };
 /// The recommended number of azimuths for an anisotropic BRDF.
 inline constexpr int k_anisotropic_azimuths = 8;
@@ -147,8 +147,7 @@ template <typename P> DirectionSample sample_with_pdf(const P& proposal, Vec3f w
     return {wl, wl.z > 0 ? pdf(proposal, wl, wv) : 0};
 }
 
-/// Samples the light for `brdf`. Values that were not measured count as 0. If wv is not above the horizon, pdf is
-/// 0.
+/// Samples the light for `brdf`. Values that were not measured count as 0. If wv is not above the horizon, pdf is 0.
 template <Brdf B, typename P> LightSample sample(const B& brdf, const P& proposal, Vec3f wv, Vec2f u, float selector) {
     LightSample result;
     if (!above_horizon(wv, wv)) return result;

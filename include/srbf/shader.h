@@ -27,7 +27,7 @@ template <typename> struct WithTables;
 template <typename... M> struct WithTables<std::variant<M...>> {
     using type = std::variant<Flat, MerlTable, BsdfTables, M...>;
 };
-/// The material of a surface: a BRDF, or a BSDF, whose models of parts are not view by view.
+/// The material of a surface: a BRDF, or a BSDF without view-by-view parts.
 using Material = WithTables<AnyModel>::type;
 /// True if the front, the back and the light behind the surface are visible.
 inline bool is_two_sided(const Material& material) {
@@ -45,9 +45,9 @@ std::string_view name(Dialect dialect);
 std::string version_text(Dialect dialect);
 
 /// The text, to follow `version_text`, that defines
-///   SIDES                         1 of a BRDF, 2 of a BSDF
-///   vec3 bsdf(vec3 wl, vec3 wv)   f [1/sr] for R, G, B, of unit vectors in the local frame, with one side both above the
-///                                 horizon; without beams
+///   SIDES                         1 for a BRDF, 2 for a BSDF
+///   vec3 bsdf(vec3 wl, vec3 wv)   f [1/sr] for R, G, B, without beams, of unit vectors in the local frame, which are
+///                                 above the horizon if there is one side
 ///   bool is_measured              whether the last value was measured: false only for tables
 /// and with one side the same as `brdf`, with two
 ///   vec3 straight_beam(vec3 wv)   the share of the light from -wv that passes unscattered
@@ -56,12 +56,14 @@ std::string version_text(Dialect dialect);
 /// kernel.glsl requires, kernel.glsl, and the material's own part. It is the same in every dialect. The numbers of the
 /// material are uniforms: for a multivariate model the block `PmNumbers` (`pm_numbers`); for a view-by-view model the
 /// samplers `su_numbers` and `su_directions` (`su_texels`), and `su_index`; for a table the sampler `merl_table`
-/// (`merl_texels`); for models of few numbers a uniform (`uniform_of`). Materials with the same text differ only in these.
-/// The text includes which centres of axial lobes are −z. A BSDF's model is in the text, with its numbers as constants.
+/// (`merl_texels`); for models of few numbers a uniform (`uniform_of`). Materials with the same text differ only in
+/// these. The text includes which centres of axial lobes are −z. A BSDF's model is in the text, with its numbers as
+/// constants.
 ///
-/// Behind a line `#define PM_EDITED`, the text of a multivariate model is that of a part of it: int edited_part is 0 for the
-/// highlight, 1 for the body. Further uniforms are float edited_shares[], the shares of `body_shares` (edit.h), and vec2
-/// edited_roughness, the factor of the highlight's roughness and its own α. Tints and saturation are linear in both pictures.
+/// If the host writes a line `#define PM_EDITED` before the text of a multivariate model, its functions evaluate only
+/// one part of it: the highlight if the uniform int edited_part is 0, the body if it is 1. Further uniforms are float
+/// edited_shares[], the `body_shares` of edit.h, and vec2 edited_roughness, the factor of the highlight's roughness and
+/// its own α. Pictures of tints and saturations are linear combinations of the pictures of both parts.
 std::string brdf_text(const Material& material);
 
 /// The text, to follow `brdf_text`, that defines
@@ -71,7 +73,8 @@ std::string brdf_text(const Material& material);
 /// Its numbers are the uniforms `mixture_numbers` and `mixture_grain` (`ProposalNumbers`). With `parts` mixtures the
 /// global `int mixture_part` chooses the one that is meant; directions are in the frame of that part.
 std::string proposal_text(int parts = 1);
-/// The densities that the light is drawn from: of a BRDF one mixture, of a BSDF one for each part, in the order of `Part`.
+/// The densities from which the light is drawn: one mixture for a BRDF, one for each part of a BSDF in the order of
+/// `Part`.
 struct Proposals {
     std::vector<MixtureProposal> of_part;
     Proposals(const MixtureProposal& of_brdf) : of_part{of_brdf} {}

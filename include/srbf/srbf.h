@@ -1,5 +1,5 @@
 // The core on one page: load, fit, prepare, value, sample, pdf, albedo, save, export. The other headers declare the
-// details: fit.h requests and errors of fits, model.h and measured.h what is stored, prepared.h BRDFs of your own.
+// details: fit.h requests and errors of fits, model.h and measured.h the data, prepared.h BRDFs of your own.
 #pragma once
 #include <cstddef>
 #include <span>
@@ -12,15 +12,16 @@
 
 SRBF_BEGIN
 
-// Two types hold what functions take and return: a LoadedBrdf is a measurement or a fitted model, as it was read, and a
-// PreparedBrdf is a BRDF ready for a renderer. Copies of either share their content; load.h has that of the first. Both
-// may be members that are assigned later. Until then a PreparedBrdf is black, with the density 0, and a LoadedBrdf has no
-// content: a function that reads it ends the program with a line and abort().
+// Two types hold the arguments and results of functions: a LoadedBrdf is a measurement or a fitted model, as it was
+// read, and a PreparedBrdf is a BRDF ready for a renderer. Copies of either share their content, which `content` of
+// load.h returns for a LoadedBrdf. Both may be members that are assigned later. Until then a PreparedBrdf is black,
+// with the density 0, and a LoadedBrdf has no content: a function that reads it ends the program with a line and
+// abort().
 
 // ---- Files ----
 
-/// Reads a measurement of any format or a model file, recognised by its content. Errors: the file is unreadable, of no
-/// known format or malformed.
+/// Reads a measurement of any format or a model file, recognised by its content. Returns an error if the file is
+/// unreadable, of no known format or malformed.
 Result<LoadedBrdf> load(const std::string& path);
 /// f(wv, wl) in place of f(wl, wv). The `measured` of pbrt and of Mitsuba takes the first direction of an RGL file for
 /// the viewer, and so agrees with the exchanged file.
@@ -33,25 +34,26 @@ struct FittedBrdf {
     double delta_e = 0;     ///< mean ΔE_ITP of pictures of a sphere against the measurement; 1 is just noticeable
 };
 /// Fits the model that `srbf fit` fits without options, in about three seconds on two cores, half of them for the
-/// error. The `fit` of fit.h takes options: the size of the model, the objective, threads, progress and others. Errors:
-/// `measured` is a model, or a two-sided measurement; there is nothing to fit.
+/// error. The `fit` of fit.h takes options: the size of the model, the objective, threads, progress and others. Returns
+/// an error if `measured` is a model or a two-sided measurement, or has no value above 0.
 Result<FittedBrdf> fit(const LoadedBrdf& measured);
 
-/// Writes a model file, or leaves the previous file. Errors: `model` is a measurement; the file cannot be written.
+/// Writes a model file, or leaves the previous file. Returns an error if `model` is a measurement, or if the file
+/// cannot be written.
 Result<Done> save(const LoadedBrdf& model, const std::string& path);
 
 /// The functions of a model in "glsl", "hlsl", "wgsl", "msl" or "c": a text that stands alone, with NAME_brdf(wl, wv)
-/// for an identifier `name`. A program that calls it also links srbf::shader. Errors: `model` is a measurement; another
-/// language.
+/// for an identifier `name`. A program that calls it also links srbf::shader. Returns an error if `model` is a
+/// measurement, or if there is no such language.
 Result<std::string> shading_code(const LoadedBrdf& model, const std::string& name, std::string_view language);
 
 // ---- Evaluation and sampling ----
 
 // Directions are unit vectors in the local frame, which debug builds assert, and point away from the surface: wl to the
-// light, wv to the viewer. The frame's +z axis is the shading normal. Its +x axis matters to anisotropic BRDFs alone: it
-// is the tangent from which their data count azimuths. Colours are linear sRGB. Several threads may call all functions
-// of a PreparedBrdf at once, and no result depends on whether the processor flushes subnormal numbers to 0. prepared.h
-// prepares any other BRDF, too.
+// light, wv to the viewer. The frame's +z axis is the shading normal. Its +x axis matters to anisotropic BRDFs alone:
+// it is the tangent from which their data count azimuths. Colours are linear sRGB. Several threads may call all
+// functions of a PreparedBrdf at once, and no result depends on whether the processor flushes subnormal numbers to 0.
+// prepared.h prepares any other BRDF, too.
 
 /// A sampled direction to the light.
 struct LightSample {
@@ -61,15 +63,15 @@ struct LightSample {
 };
 
 /// Prepares a model or a measurement, and the front alone of a surface with two sides. Also computes a density to
-/// sample by, in about 50 ms of processor time for an isotropic model and 400 ms for an anisotropic one. 0 threads are as
-/// many as the machine has, which is also the most; the result does not depend on their number. `prepare` of prepared.h
-/// takes what load_model or load_measured reads, and further options.
+/// sample by, in about 50 ms of processor time for an isotropic model and 400 ms for an anisotropic one. `threads`:
+/// number of threads; 0: all of the machine, which is also the most. The result does not depend on it. `prepare` of
+/// prepared.h takes results of load_model and load_measured, and further options.
 PreparedBrdf prepare(const LoadedBrdf& brdf, int threads = 0);
 
 /// f_r(wl, wv) [1/sr], without the cosine. For a model it differs from `value` of model.h, which reports and files use,
-/// by at most 1e-4 of that value or 1e-6 of its peak, whichever is larger. It is never negative, and 0 if wl.z or wv.z is
-/// 0, negative or subnormal. It is NaN in all three channels where a measurement has no value, which a renderer must take
-/// for 0; `sample`, `pdf` and `albedo` count it as 0.
+/// by at most 1e-4 of that value or 1e-6 of its peak, whichever is larger. It is never negative, and 0 if wl.z or wv.z
+/// is 0, negative or subnormal. It is NaN in all three channels where a measurement has no value, which a renderer must
+/// take for 0; `sample`, `pdf` and `albedo` count it as 0.
 inline Rgb value(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv) { return brdf.at(wl, wv); }
 /// f_r at pairs of directions. The program ends with a line and abort() if the spans differ in length.
 void evaluate(const PreparedBrdf& brdf, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
@@ -89,11 +91,11 @@ struct ValuePdf {
 ValuePdf value_pdf(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv);
 
 /// Directional albedo ∫ f(wl, wv) cosθl dωl for cosθv in (0, 1], averaged over azimuths. For a view-by-view model with
-/// sampled views it is interpolated, as the model is, from the integrals of the lobes: within 1 % or 0.002. For any other
-/// BRDF it is interpolated between 129 view angles: up to 85° within 1 % or 0.002 for fits of measured materials and
-/// tables, with larger errors beyond, for narrow highlights and for scattered samples (docs/sampling.md). The first call
-/// computes these angles in about 0.3 s, and other threads that call `albedo` wait for it. A cosine of 0, below it or NaN
-/// gives 0; above 1 counts as 1.
+/// sampled views it is interpolated, as the model is, from the integrals of the lobes: within 1 % or 0.002. For any
+/// other BRDF it is interpolated between 129 view angles: up to 85° within 1 % or 0.002 for fits of measured materials
+/// and tables, with larger errors beyond, for narrow highlights and for scattered samples (docs/sampling.md). The first
+/// call computes these angles in about 0.3 s, and other threads that call `albedo` wait for it. A cosine of 0, below it
+/// or NaN gives 0; above 1 counts as 1.
 Rgb albedo(const PreparedBrdf& brdf, float cos_v);
 
 SRBF_END

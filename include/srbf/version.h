@@ -6,8 +6,8 @@
 #include "C++20"  // there is no such file: compilers end here, without errors in what follows
 #endif
 
-// Names belong to an inline namespace with the version, as srbf::v0_1::fit. Programs write srbf::fit, and a linker keeps
-// two versions in one process apart.
+// Names belong to an inline namespace with the version, as srbf::v0_1::fit. Programs write srbf::fit, and a linker
+// keeps two versions in one process apart.
 #define SRBF_NAMESPACE srbf::inline v0_1
 // Around declarations of public headers. Only the shared library, for which CMake defines srbf_EXPORTS, makes them
 // visible: a plugin that links the static one exports none of them.

@@ -1,4 +1,4 @@
-// The functions of srbf.h, implemented with those of the other headers.
+// The functions of srbf.h, implemented by functions of the other headers.
 #include <atomic>
 
 #include "base/errors.h"

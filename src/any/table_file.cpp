@@ -14,7 +14,7 @@ TableSource table_source(const Model& model) {
     return source;
 }
 
-/// The values of `brdf`; none once it is cancelled, so that what asks for them ends soon.
+/// The values of `brdf`; no values once it is cancelled, so that the caller ends soon.
 Evaluate until_cancelled(Evaluate brdf, const ProgressToken& token) {
     return [brdf = std::move(brdf), token](auto wl, auto wv, auto f) {
         if (!token.cancelled()) brdf(wl, wv, f);

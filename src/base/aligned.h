@@ -1,3 +1,4 @@
+// Arrays for SIMD, and the blocks of rows in which loops pass over them.
 #pragma once
 #include <tbb/cache_aligned_allocator.h>
 

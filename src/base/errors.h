@@ -1,3 +1,4 @@
+// Errors that many functions return.
 #pragma once
 #include <fmt/format.h>
 
@@ -8,7 +9,7 @@ SRBF_BEGIN
 /// The error of a computation that was cancelled.
 Error cancelled_error(std::string source);
 
-/// An input that is not as it must be.
+/// The error of an input that is malformed, and of an argument that is not allowed.
 inline Error input_error(std::string source, std::string what, std::string expected, std::string found) {
     return {std::move(source), {}, std::move(what), std::move(expected), std::move(found)};
 }
@@ -16,13 +17,13 @@ inline Error argument_error(std::string source, std::string what, std::string ex
     return {std::move(source), {}, std::move(what), std::move(expected), std::move(found), ErrorCode::argument};
 }
 
-/// A number that a 16-bit float does not hold.
+/// The error of a number that a 16-bit float does not hold.
 inline Error half_range_error(std::string source, std::string what, double found) {
     return argument_error(std::move(source), std::move(what), "0, or 6e-08 to 65504, the range of 16-bit floats",
                           fmt::format("{:g}", found));
 }
 
-/// `expected` names what is missing.
+/// The error of missing data, which `expected` names.
 inline Error no_data_error(std::string source, std::string what, std::string expected = "some") {
     return {std::move(source), {}, std::move(what), std::move(expected), "none", ErrorCode::no_data};
 }

@@ -11,10 +11,10 @@
 SRBF_BEGIN
 
 inline constexpr std::uint64_t k_largest_file = std::uint64_t(1) << 34;
-/// So much of a file tells its format.
+/// The number of first bytes of a file that identify its format.
 inline constexpr std::size_t k_head_bytes = std::size_t(1) << 20;
 
-/// The size that a file may have that begins with `head`, its first `k_head_bytes`.
+/// Returns the largest size of a file that begins with `head`, its first `k_head_bytes`.
 using MostBytes = std::function<std::uint64_t(std::span<const std::byte> head)>;
 /// The whole file if its first bytes are of a known format, otherwise these bytes only.
 template <typename IsKnown> MostBytes all_if(const IsKnown& is_known) {
@@ -22,8 +22,8 @@ template <typename IsKnown> MostBytes all_if(const IsKnown& is_known) {
 }
 
 /// The bytes of the file at `path`; of one that is larger than `most` allows, the beginning alone, so that input of no
-/// known format is not read to its end. Errors: the file is missing, a folder, unreadable, or larger than
-/// `k_largest_file`; there is not enough memory for it.
+/// known format is not read to its end. Returns an error if the file is missing, a folder, unreadable, larger than
+/// `k_largest_file` or too large for the memory.
 Result<std::vector<std::byte>> read_file(const std::string& path, const MostBytes& most);
 
 /// The error where memory runs out.
@@ -43,9 +43,9 @@ struct NewFile {
     std::string path;
     std::vector<std::byte> bytes;
 };
-/// Writes all of them, and renames them in this order once all are written and `before_renaming`, if any, has
-/// succeeded: an error before that leaves the previous content of each. Of several programs that write the same files
-/// at once one after the other renames all of its own. Devices and pipes are written directly.
+/// Writes all files, and renames them in this order once all are written and `before_renaming`, if any, has succeeded.
+/// An error before that leaves the previous content of each. If several programs write the same files, each renames all
+/// of its own before the next one does. Devices and pipes are written directly.
 Result<Done> write_files(std::span<const NewFile> files, const std::function<Result<Done>()>& before_renaming = {});
 
 /// Renames a file or a folder, and waits until the disk has the new name.
@@ -76,14 +76,14 @@ class Descriptor {
 
 class FileReader {
   public:
-    /// Errors: those of `read_file`.
+    /// Returns an error if `read_file` would.
     static Result<FileReader> open(const std::string& path);
 
     const std::string& path() const { return path_; }
     /// Fills `bytes` with the next bytes of the file, fewer at its end; returns their number.
     Result<std::size_t> read(std::span<std::byte> bytes);
-    /// Fills `bytes` with those from `offset` on, fewer at the end of the file, and returns their number. The next bytes
-    /// of the other `read` stay the same.
+    /// Fills `bytes` with the file's bytes from `offset` on, fewer at its end, and returns their number. The position
+    /// of the other `read` stays the same.
     Result<std::size_t> read(std::uint64_t offset, std::span<std::byte> bytes) const;
 
   private:
@@ -94,11 +94,11 @@ class FileReader {
 
 /// The next bytes of a file's content; none at its end.
 using NextBytes = std::function<Result<std::vector<std::byte>>()>;
-/// `write_file` of content that is made while it is written. Errors: also those of `next`, after which `path` holds its
-/// previous content.
+/// `write_file` of content that is made while it is written. Also returns an error if `next` does; then `path` holds
+/// its previous content.
 Result<Done> write_file(const std::string& path, const NextBytes& next);
 
-/// The lines of a file, as those of `Lines`. Only a block of the file is in memory; a longer line is an error.
+/// The lines of a file, as `Lines` reads them. Only a block of the file is in memory; a longer line is an error.
 class FileLines {
   public:
     explicit FileLines(FileReader file) : file_(std::move(file)), lines_({}) {}

@@ -1,3 +1,4 @@
+// Nanoflann's k-d trees over points.
 #pragma once
 #include <array>
 #include <cstddef>

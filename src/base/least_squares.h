@@ -1,3 +1,4 @@
+// Linear least squares with bounds, and small dense linear algebra for it.
 #pragma once
 #include <Eigen/Dense>
 #include <vector>

@@ -51,7 +51,7 @@ Eigen::VectorXd damped_step(const P& problem, const Eigen::MatrixXd& damped, con
                             const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, const Eigen::VectorXd& longest,
                             bool adapts_to_bounds) {
     Eigen::VectorXd step;
-    if constexpr (requires { problem.solve(damped, g); })  // by the zeros in its JᵀJ
+    if constexpr (requires { problem.solve(damped, g); })  // a solver that uses the zeros in its JᵀJ
         step = -problem.solve(damped, g);
     else
         step = -solve_symmetric(damped, g);

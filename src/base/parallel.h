@@ -1,3 +1,4 @@
+// Loops on several threads, with the floating-point mode that all results require.
 #pragma once
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
@@ -10,7 +11,7 @@
 
 namespace SRBF_NAMESPACE {
 
-/// Runs body() on `threads` threads, or on all if it is 0. More than the machine has are ignored.
+/// Runs body() on `threads` threads; 0: all of the machine. More threads than it has are not used.
 template <typename Body> void on_threads(int threads, const Body& body) {
     const int most = tbb::info::default_concurrency();
     tbb::task_arena(threads > 0 ? std::min(threads, most) : most).execute([&] {

@@ -17,16 +17,16 @@ std::string printable(std::string_view text);
 /// Like `printable`, but keeps tabs and line feeds.
 std::string printable_lines(std::string_view text);
 
-/// For a comment up to the end of the line, in Python, USD and languages with C's comments. Backslashes, which could
-/// continue the line, also as trigraphs, become slashes.
+/// `text` for a comment up to the end of the line, in Python, USD and languages with C's comments. Backslashes, which
+/// could continue the line, also as trigraphs, become slashes.
 std::string in_comment(std::string_view text);
-/// For a string between double quotes, or three of them, in C, JavaScript, Python and USD.
+/// `text` for a string between double quotes, or three of them, in C, JavaScript, Python and USD.
 std::string in_string(std::string_view text);
-/// For a template literal of JavaScript. Keeps line ends.
+/// `text` for a template literal of JavaScript. Keeps line ends.
 std::string in_template_literal(std::string_view text);
-/// For text and attributes in HTML, SVG and XML. Keeps line ends.
+/// `text` for text and attributes in HTML, SVG and XML. Keeps line ends.
 std::string html_escaped(std::string_view text);
-/// For a comment of XML: hyphens, of which two would end it, become underscores.
+/// `text` for a comment of XML: hyphens, of which two would end it, become underscores.
 std::string in_xml_comment(std::string_view text);
 /// A field of CSV, in quotes if necessary. An apostrophe precedes text that spreadsheets would evaluate as a formula.
 std::string csv_field(std::string_view text);

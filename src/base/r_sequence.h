@@ -1,3 +1,4 @@
+// Low-discrepancy points.
 #pragma once
 #include <array>
 #include <cstddef>

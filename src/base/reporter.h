@@ -1,3 +1,4 @@
+// Progress of work that several threads share.
 #pragma once
 #include <algorithm>
 #include <mutex>

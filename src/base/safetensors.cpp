@@ -20,8 +20,8 @@ constexpr std::size_t k_most_tensors = 64, k_most_extents = 8;
 constexpr std::uint64_t k_most_header_bytes = std::uint64_t(1) << 20;
 constexpr int k_deepest = 3;  ///< levels of JSON in a header: the numbers of a shape are deepest
 
-/// The entries of a header, from the events of nlohmann's parser, and the members of each as texts. (Values of nlohmann's
-/// need memory where they are destroyed.) The last one of equal names in an object counts.
+/// The entries of a header, from the events of nlohmann's parser, and the members of each as texts. (Values of
+/// nlohmann's need memory where they are destroyed.) The last one of equal names in an object counts.
 class HeaderReader : public nlohmann::json_sax<Json> {
   public:
     struct Entry {

@@ -16,7 +16,7 @@ enum class Type16 { half, count };  // "F16", "U16"
 struct Tensor16 {
     Type16 type = Type16::half;
     std::vector<std::uint64_t> shape;
-    std::vector<std::uint16_t> data;  ///< as many elements as the product of the shape
+    std::vector<std::uint16_t> data;  ///< the elements; their number is the product of the shape
 };
 
 struct TensorShape {
@@ -26,8 +26,8 @@ struct TensorShape {
 /// Returns an error unless `tensors` has exactly the tensors of `expected` and every 16-bit float is finite.
 Result<Done> check_tensors(const std::map<std::string, Tensor16>& tensors,
                            const std::map<std::string, TensorShape>& expected, const std::string& file_name);
-/// The shape [A, B] of the tensor 'bandwidth', which determines those of a model's other tensors. Returns an error, in
-/// which `expected` states the limits, unless `least` ≤ [A, B] ≤ `most`.
+/// The shape [A, B] of the tensor 'bandwidth', which determines the shapes of a model's other tensors. Returns an
+/// error, in which `expected` states the limits, unless `least` ≤ [A, B] ≤ `most`.
 using Shape2 = std::array<std::uint64_t, 2>;
 Result<Shape2> shape_of_bandwidths(const std::map<std::string, Tensor16>& tensors, Shape2 least, Shape2 most,
                                    const std::string& expected, const std::string& file_name);
@@ -54,7 +54,7 @@ struct MetadataReader {
 /// in `last` have no data, which the caller appends in this order.
 std::vector<std::byte> write_safetensors(const Safetensors& content, const std::vector<std::string>& last = {});
 
-/// Reads the length of the header. Errors: it is longer than the file or than 1 MB.
+/// Reads the length of the header. Returns an error if it is longer than the file or than 1 MB.
 Result<std::uint64_t> header_length(std::span<const std::byte> bytes, const std::string& file_name);
 
 /// Checks every size before it allocates: tensors must be F16 or U16, their offsets must match their shapes and cover

@@ -41,7 +41,7 @@ inline long long read(int file, void* bytes, std::size_t size) {
 inline long long write(int file, const void* bytes, std::size_t size) {
     return ::_write(file, bytes, unsigned(std::min<std::size_t>(size, 1u << 30)));
 }
-/// Leaves the place of `read` as it was; of two threads one waits for the other.
+/// Does not move the position of `read`. If two threads call it, one waits for the other.
 inline long long read_at(int file, void* bytes, std::size_t size, std::uint64_t offset) {
     static std::mutex one_at_a_time;
     const std::lock_guard lock(one_at_a_time);
@@ -59,7 +59,7 @@ inline int process() { return ::_getpid(); }
 inline bool is_writable(const std::string& path) { return ::_waccess(path_of(path).c_str(), 2) == 0; }
 inline bool is_terminal(int file) { return ::_isatty(file) != 0; }
 inline void remove(const std::string& path) { ::_wunlink(path_of(path).c_str()); }
-/// Replaces what has the new name.
+/// Replaces a file that has the new name.
 inline int rename(const std::string& from, const std::string& to) {
     if (::MoveFileExW(path_of(from).c_str(), path_of(to).c_str(), MOVEFILE_REPLACE_EXISTING | MOVEFILE_WRITE_THROUGH))
         return 0;

@@ -1,3 +1,4 @@
+// Quantiles of weighted numbers.
 #pragma once
 #include <algorithm>
 #include <utility>

@@ -167,7 +167,7 @@ template <typename D, bool is_fused = false> struct BatchOf {
   private:
     static HWY_INLINE BatchOf shifted_sine(BatchOf a, int quarters) {  // sin(a + quarters pi / 2)
         const Bits bits;
-        const BatchOf shift(12582912.0);  // as in exp2
+        const BatchOf shift(12582912.0);  // the shift of exp2
         const BatchOf sum = a * BatchOf(0.6366197723675814) + shift;
         const BatchOf n = sum - shift;
         // pi / 2 is the sum of three numbers; the first two have so few bits that their products with n are exact.

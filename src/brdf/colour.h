@@ -1,3 +1,4 @@
+// Conversions between spectra, CIE XYZ and sRGB.
 #pragma once
 #include <array>
 #include <span>
@@ -15,8 +16,8 @@ struct Xyz {
 /// Tristimulus values of the perfect white reflector under D65: (0.9504, 1, 1.0890).
 Xyz white_point();
 
-/// Converts to linear sRGB, by the matrix for which (1, 1, 1) is `white_point()` and the primaries have the chromaticities
-/// (x, y) = (0.64, 0.33), (0.30, 0.60) and (0.15, 0.06) of IEC 61966-2-1.
+/// Converts to linear sRGB, by the matrix for which (1, 1, 1) is `white_point()` and the primaries have the
+/// chromaticities (x, y) = (0.64, 0.33), (0.30, 0.60) and (0.15, 0.06) of IEC 61966-2-1.
 Rgb to_rgb(const Xyz& colour);
 
 /// The transfer function of sRGB (IEC 61966-2-1) on [0,1]: 12.92 x if x ≤ 0.0031308, otherwise 1.055 x^(1/2.4) − 0.055.

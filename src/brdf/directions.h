@@ -76,9 +76,9 @@ class MirrorMixture {
 
 /// `points` with their weights times cosθ.
 Quadrature with_cosines(Quadrature points);
-/// About `count` directions over the cap θ ≤ θmax for the albedo of a view; the weights include cosθl. Below cosθv = 0.3,
-/// where highlights are long and narrow, they are a product of Gauss-Legendre rules over cosθl and azimuth, whose
-/// intervals grow from the viewer's cosine, the horizon and the plane of incidence; otherwise those of MirrorMixture.
+/// About `count` directions over the cap θ ≤ θmax for the albedo of a view; the weights include cosθl. Below cosθv =
+/// 0.3, where highlights are long and narrow, they are a product of Gauss-Legendre rules over cosθl and azimuth, whose
+/// intervals grow from the viewer's cosine, the horizon and the plane of incidence; otherwise MirrorMixture has them.
 /// The error is about 0.1 % at most for highlights of facets with a roughness α from 0.005 on.
 Quadrature albedo_quadrature(Vec3d wv, double theta_max, int count);
 /// Σ weight f of each channel, without values that are not finite.

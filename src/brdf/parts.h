@@ -1,4 +1,4 @@
-// Pairs of directions on either side, and the BRDFs that answer for them.
+// Pairs of directions on either side of a surface, and the BRDFs that have their values.
 #pragma once
 #include <cmath>
 #include <optional>
@@ -15,8 +15,8 @@ struct InPartFrame {
     Part part;
     Vec3f wl, wv;
 };
-/// The part that answers for a pair, and the pair in its frame; none if a direction lies in the surface (its cosine is
-/// 0 or subnormal) or is not finite.
+/// The part that has the value of a pair, and the pair in its frame; none if a direction lies in the surface (its
+/// cosine is 0 or subnormal) or is not finite.
 inline std::optional<InPartFrame> to_part_frame(Vec3f wl, Vec3f wv) {
     const Vec3f l{wl.x, wl.y, std::abs(wl.z)}, v{wv.x, wv.y, std::abs(wv.z)};
     if (!above_horizon(l, v)) return {};
@@ -30,10 +30,10 @@ constexpr float side_of_viewer(Part part) { return is_back(part) != is_transmiss
 /// A direction to one side, from a part's frame.
 constexpr Vec3f to_side(Vec3f w, float side) { return {w.x, w.y, side * w.z}; }
 
-/// The BRDF that answers for a part.
+/// The BRDF that has the values of a part.
 template <typename B> struct Answering {
     const B* brdf = nullptr;  ///< null: 0
-    bool exchanged = false;   ///< whether it is evaluated at (wv, wl)
+    bool exchanged = false;   ///< true if it is evaluated at (wv, wl)
 };
 template <typename B> Answering<B> answering(const Parts<B>& parts, Part part) {
     if (const B* stored = parts[std::size_t(part)].get()) return {stored, false};
@@ -85,9 +85,9 @@ void evaluate(const Parts<B>& parts, std::span<const Vec3f> wl, std::span<const 
     }
 }
 
-/// In files, of rings, and of nodes of a ring.
+/// The largest numbers of rings, and of nodes of a ring, in a file.
 inline constexpr std::size_t k_most_beam_rings = 256, k_most_beam_nodes = 2048;
-/// In files: `transmission` is of both transmissions if there is no `transmission_back`.
+/// The names of beams in files. `transmission` is the beam of both transmissions if there is no `transmission_back`.
 inline constexpr std::array<std::string_view, k_parts> k_beam_names{"reflection_front", "reflection_back",
                                                                     "transmission", "transmission_back"};
 

@@ -11,7 +11,7 @@ namespace SRBF_NAMESPACE {
 struct AddedCode {
     std::map<std::string, std::string> entries;  ///< names in the kernel's language, and in the code
     bool sampling = false, albedo = false;       ///< true if the functions call the core's functions for these
-    /// Changes the specialised program, of which these functions are called; null: it is printed as it is.
+    /// Changes the specialised program, whose functions these call; null: it is printed as it is.
     void (*rewrite)(syntax::Program& program, const std::vector<std::string>& roots) = nullptr;
     std::string albedo_node = {};  ///< the text of `albedo_node`; empty for one that reads a table
     /// The text of the functions, which follows albedo.glsl. It adds its tables to `program`, and its numbers of the

@@ -7,8 +7,8 @@ namespace SRBF_NAMESPACE {
 
 inline constexpr std::size_t k_most_blended = 3;
 
-/// The functions of `CodeOptions::blend`, which follow those of the models. Errors: other than two or three models, or one
-/// that is not a BRDF; `defined` has one of the names.
+/// The functions of `CodeOptions::blend`, which follow the functions of the models. Returns an error unless there are
+/// two or three models, all of them BRDFs, or if `defined` has one of the names.
 Result<std::string> blend_code(std::span<const NamedModel> models, std::string_view prefix, const CodeOptions& options,
                                DefinedNames& defined);
 std::vector<std::string> blend_functions(std::string_view prefix, const CodeOptions& options);

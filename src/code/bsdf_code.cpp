@@ -122,7 +122,7 @@ std::string beams_text(const Beams& beams, CodeLanguage language, Program& progr
     return text;
 }
 
-/// Declarations of the functions that those of a BSDF call, for the parser.
+/// Declarations, for the parser, of the functions that the code of a BSDF calls.
 std::string part_stubs(const BsdfModel& bsdf, bool sampling) {
     std::string text;
     for (std::size_t p = 0; p < k_parts; ++p) {

@@ -1,4 +1,4 @@
-// Shading code of BSDFs: functions that call those of the parts, and beams.
+// Shading code of BSDFs: functions that call the functions of the parts, and beams.
 #pragma once
 #include <memory>
 
@@ -8,16 +8,17 @@
 
 namespace SRBF_NAMESPACE {
 
-/// Functions that call those of models.
+/// Functions that call functions of models.
 struct Caller {
-    std::string name;              ///< their names begin with it
-    std::string stubs = {};        ///< declares the functions that they call, for the parser
-    std::string stub_prefix = {};  ///< precedes the names of these in the code
+    std::string name;              ///< the beginning of their names
+    std::string stubs = {};        ///< declarations, for the parser, of the functions that they call
+    std::string stub_prefix = {};  ///< the prefix of the called functions' names in the code
 };
 /// The stubs of the functions of a BRDF.
 std::string brdf_stubs(std::string_view name);
 /// The tables of `program` and the functions of `text` in a language. `sample_light`, `light_pdf` and
-/// `directional_albedo` become NAME_sample, NAME_pdf and NAME_albedo. Errors: `defined` has one of the names.
+/// `directional_albedo` become NAME_sample, NAME_pdf and NAME_albedo. Returns an error if `defined` has one of the
+/// names.
 Result<std::string> print_functions(const Caller& caller, syntax::Program program, const std::string& text,
                                     CodeLanguage language, DefinedNames& defined);
 
@@ -29,8 +30,8 @@ struct PartModels {
 };
 PartModels part_models(const NamedModel& bsdf, bool sampling);
 
-/// The functions NAME_bsdf, NAME_beam, NAME_mirror_beam, and for sampling NAME_sample and NAME_pdf, which follow those
-/// of the parts. Their names are added to `defined`. Errors: `defined` has one of them.
+/// The functions NAME_bsdf, NAME_beam, NAME_mirror_beam, and for sampling NAME_sample and NAME_pdf, which follow the
+/// functions of the parts. Adds their names to `defined`, and returns an error if it has one of them.
 Result<std::string> bsdf_code(const NamedModel& bsdf, const CodeOptions& options, DefinedNames& defined);
 /// The functions of beams alone.
 std::string beam_code(const std::string& name, const Beams& beams, CodeLanguage language);

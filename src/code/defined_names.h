@@ -1,3 +1,4 @@
+// Names that exported code defines, each by one owner.
 #pragma once
 #include <fmt/format.h>
 
@@ -7,9 +8,10 @@
 
 namespace SRBF_NAMESPACE {
 
+/// The names that the texts of one file define.
 class DefinedNames {
   public:
-    /// Adds a name that the code of `owner` defines. Errors: another owner defines it.
+    /// Adds a name that the code of `owner` defines. Returns an error if another owner defines it.
     Result<Done> add(const std::string& name, const std::string& owner) {
         const auto [entry, is_new] = owners_.emplace(name, owner);
         if (is_new) return Done{};

@@ -46,7 +46,7 @@ struct KernelProgram {
                                                    {"SRBF_TERMS", std::to_string(k_terms.size())}};
         syntax::parse(k_supplied, program, defines);
         for (const syntax::Function& function : program.functions) supplied.push_back(function.name);
-        const std::string albedo = k_albedo_text;  // of which only the coordinate is used
+        const std::string albedo = k_albedo_text;  // only its coordinate is used
         for (const char* text : {k_common_text, k_pm_text, k_su_text}) syntax::parse(text, program, defines);
         syntax::parse(albedo.substr(0, albedo.find("// The integral")), program, defines);
     }

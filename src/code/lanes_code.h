@@ -1,4 +1,4 @@
-// C of models whose lobes are the lanes of vectors: what srbf_runtime.h and exported C share.
+// C of models whose lobes are the lanes of vectors: the part that srbf_runtime.h and exported C share.
 #pragma once
 #include <set>
 #include <string>
@@ -8,13 +8,13 @@
 
 namespace SRBF_NAMESPACE {
 
-/// The definitions that these functions of kernel.glsl need, in C and with this prefix, of numbers or of vectors of
-/// them. Those in `known` are left out, and all are added to it.
+/// The definitions in C that these functions of kernel.glsl need, with this prefix, for numbers or for vectors of
+/// numbers. Definitions in `known` are left out; the others are added to it.
 std::string kernel_in_c(const std::vector<std::string>& functions, const std::string& prefix, bool has_lanes,
                         std::set<std::string>& known);
 
-/// Vectors and the values of multivariate models; densities and samples of mixtures. Each has a guard, so that a
-/// program may have it several times. The names of their functions are added to `known`.
+/// The text of vectors and of values of multivariate models; the text of densities and samples of mixtures. Each has a
+/// guard, so that a program may include it several times. The names of their functions are added to `known`.
 std::string lobes_in_c(std::set<std::string>& known);
 std::string mixtures_in_c(std::set<std::string>& known);
 

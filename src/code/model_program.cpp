@@ -19,7 +19,7 @@ namespace {
 using syntax::Program;
 using syntax::Table;
 
-/// Exponents of models are to the base e, those of kernel.glsl to the base 2.
+/// Exponents of models are to the base e, exponents of kernel.glsl to the base 2.
 constexpr const char* k_log2_e = "1.4426950408889634";
 constexpr const char* k_half_log2_e = "0.7213475204444817";
 
@@ -181,8 +181,8 @@ std::string brdf_of(const Model& model, CodeLanguage language, ParameterStorage 
     return brdf_function(language, statements);
 }
 
-/// Directional albedos at the nodes. They are those of the model, whose values are the same on every processor,
-/// not of the faster functions for renderers.
+/// Directional albedos at the nodes. They are computed from the model, whose values are the same on every processor,
+/// not from the faster functions for renderers.
 std::vector<Rgb> node_albedos(const Model& model) {
     const PreparedBrdf brdf = prepare<Model>(model, CosineProposal{});
     std::vector<Rgb> reflected;
@@ -265,7 +265,8 @@ std::string look_up_text(const PmModel& basis) {
         basis.lobes);
 }
 
-/// Declarations that the formulas of a model read, and these formulas. `Pm` is the handle of coefficients that are arguments.
+/// Declarations that the formulas of a model read, and these formulas. `Pm` is the handle of coefficients that are
+/// arguments.
 struct ModelText {
     std::string brdf, accessors = {}, kernel = {};
     int variates = 1, terms = 1;

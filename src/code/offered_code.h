@@ -17,11 +17,11 @@ inline constexpr CodeLanguageRow k_code_languages[] = {{CodeLanguage::glsl, "gls
                                                        {CodeLanguage::msl, "msl"},
                                                        {CodeLanguage::c, "c"}};
 
-/// The language of this name; none if there is no such language. And all names, as "glsl, hlsl, ...".
+/// The language of this name, if there is one; and all names, as "glsl, hlsl, ...".
 std::optional<CodeLanguage> code_language_named(std::string_view name);
 std::string code_language_names();
 
-/// Functions that an extra adds to code, as NAME_environment: a name for `CodeOptions::with`, and what they are.
+/// Functions that an extra adds to code, as NAME_environment: a name for `CodeOptions::with`, and a summary of them.
 struct CodeFeature {
     std::string_view name, summary;
 };
@@ -31,10 +31,10 @@ std::span<const CodeFeature> code_features();
 struct CodeModule {
     std::string_view name, summary;
     bool of_parts = true;  ///< each part of a BSDF is a material of its own
-    /// The models, of BSDFs the parts if they are materials. Errors: those of `shading_code`.
+    /// The text of models, with the parts of BSDFs if `of_parts`. Returns an error if `shading_code` does.
     Result<std::string> (*text)(std::span<const NamedModel> models, std::string_view prefix, int threads);
-    /// A map, whose coefficients are in the KTX 2 file of that name beside the text. Errors: those of `map_code`.
-    /// Null if the module has no maps.
+    /// The text of a map, whose coefficients are in the KTX 2 file `file` beside it. Returns an error if `map_code`
+    /// does. Null if the module has no maps.
     Result<std::string> (*map_text)(const TexelMap& map, const std::string& name, std::string_view file,
                                     int threads) = nullptr;
 };

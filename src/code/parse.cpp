@@ -327,7 +327,7 @@ class Parser {
         for (const Function& function : program_.functions)
             if (function.name == name) return function.type;
         if (name == "dot") return {"Real", ""};
-        if (name == "is_finite") return {"bool", ""};  // of C alone
+        if (name == "is_finite") return {"bool", ""};  // only code in C calls it
         for (const char* built_in :
              {"exp", "exp2", "log", "sqrt", "inversesqrt", "cos", "sin", "acos", "min", "max", "abs"})
             if (name == built_in) return arguments[0].type;

@@ -21,13 +21,13 @@ struct Language {
     std::string_view suffix = {};   ///< the suffix of a number with a decimal point
     std::string_view opening = {};  ///< the definitions that all files require
     bool is_guarded = true;         ///< files have an include guard
-    bool types_follow = false;      ///< as in WGSL: name: type, let and var, array<type, size>, select() instead of ?:
-    bool is_c = false;              ///< typedef struct, casts, and numbers for true and false
-    std::string_view vector = {};   ///< the constructor of Vec3, if it is not the type's name
-    bool has_operators = true;      ///< vectors have operators; if not, there are functions, also for tables
-    std::string_view functions = "srbf_";  ///< the prefix of those
-    bool has_lanes = false;                ///< a number is a vector of them
-    bool reads_buffers = true;             ///< functions can read what the host supplies without parameters for it
+    bool types_follow = false;  ///< WGSL's syntax: name: type, let and var, array<type, size>, select() instead of ?:
+    bool is_c = false;          ///< typedef struct, casts, and numbers for true and false
+    std::string_view vector = {};          ///< the constructor of Vec3, if it is not the type's name
+    bool has_operators = true;             ///< vectors have operators; if not, there are functions, also for tables
+    std::string_view functions = "srbf_";  ///< the prefix of these functions
+    bool has_lanes = false;                ///< a number is a vector of numbers
+    bool reads_buffers = true;             ///< functions can read data of the host without parameters for it
 };
 
 namespace {

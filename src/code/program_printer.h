@@ -20,8 +20,8 @@ struct NamedProgram {
 /// Prints several programs, and definitions that they share once.
 class ProgramPrinter {
   public:
-    /// `prefix` precedes the names of shared definitions, the name of its model those of the others. `entries` have
-    /// names of their own.
+    /// Names of shared definitions begin with `prefix`, names of other definitions with the name of their model.
+    /// `entries` have names of their own.
     ProgramPrinter(std::vector<NamedProgram> programs, std::string_view prefix, CodeLanguage language, Names entries);
 
     /// Adds the names of all definitions that are not shared.

@@ -66,7 +66,7 @@ template <OfFewNumbers M> std::string macros(const M&) { return "#define VALUE m
 
 std::string uniform_name(const Model& model) { return fmt::format("{}_numbers", kind(model)); }
 
-/// The text that a material adds to that of the kernel.
+/// The text that a material adds to the kernel's text.
 const char* kernel_text(const Material& material) {
     return std::holds_alternative<PmModel>(material)   ? k_pm_text
            : std::holds_alternative<SuModel>(material) ? k_su_text

@@ -37,7 +37,7 @@ Names map_entries(const CodeOptions& options, const AddedCode& added) {
     return names;
 }
 
-/// Returns the definitions that native ones of models require.
+/// Returns the definitions that native functions of models require.
 std::string lanes_text(std::span<const NamedModel> models, const CodeOptions& options) {
     const auto is_pm = [](const NamedModel& named) { return std::holds_alternative<PmModel>(named.model->model); };
     if (options.language != CodeLanguage::c || !(options.sampling || std::ranges::any_of(models, is_pm))) return "";
@@ -191,7 +191,7 @@ Result<std::string> map_code(const TexelMap& map, std::string_view name, const C
 
 namespace {
 
-/// The functions of all extras that the options name. Errors: no extra has one of them.
+/// The functions of all extras that the options name. Returns an error if no extra has one of them.
 Result<AddedCode> added_code(const CodeOptions& options) {
     AddedCode all;
     for (const auto extra : k_extra_code) {

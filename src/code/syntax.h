@@ -67,8 +67,8 @@ struct Table {
     std::string comment, name;
     std::vector<float> numbers;
     std::size_t columns = 8;  ///< numbers in a printed line
-    /// For each of a model's numbers, the name of its parameter (models/kind/parameters.h), which follows a minus if the
-    /// number is negated, and the index. The name is empty if the number depends on several parameters.
+    /// For each of a model's numbers, the name of its parameter (models/kind/parameters.h), which follows a minus if
+    /// the number is negated, and the index. The name is empty if the number depends on several parameters.
     std::vector<std::pair<std::string, std::size_t>> sources = {};
 
     void add(float x, std::string_view parameter, std::size_t index) {
@@ -98,9 +98,9 @@ struct Program {
 void parse(std::string_view text, Program& program, std::map<std::string, std::string>& defines,
            bool as_accessors = false);
 
-/// Reduces `program` to what the functions `roots` need. Replaces accessors and constant arguments by their values,
-/// decides conditions on constants, and removes variables that nothing reads, functions that nothing calls, and
-/// handles: structures without members, which stand for a model whose numbers are tables.
+/// Reduces `program` to the definitions that the functions `roots` need. Replaces accessors and constant arguments by
+/// their values, decides conditions on constants, and removes variables that nothing reads, functions that nothing
+/// calls, and handles: structures without members, which stand for a model whose numbers are tables.
 void specialise(Program& program, const std::vector<std::string>& roots);
 
 /// The name of the variable that an assignment to `target` changes.

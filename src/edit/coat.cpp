@@ -48,7 +48,7 @@ class Layer {
         for (int ring = 0; ring < Rings::k_count; ++ring) passed_.push_back(transmitted_at(Rings::angle(ring)));
         Harmonics of_base = harmonics(base);
         // Light that the base reflects returns from the interface, and is reflected again: B R B + B R B R B + .. Each
-        // return turns the direction to the light by half a turn.
+        // return rotates the direction to the light by half a turn.
         Eigen::VectorXd returned(Rings::k_count);
         for (int ring = 0; ring < Rings::k_count; ++ring)
             returned[ring] = Rings::projected(ring) * (1 - escaping(elementary::cos(Rings::angle(ring))));
@@ -66,7 +66,7 @@ class Layer {
         const double n = coat_.ior, x = w.x / n, y = w.y / n;
         return {x, y, std::sqrt(1 - x * x - y * y)};
     }
-    /// The value of the whole, where the base has the value `below` at the refracted directions.
+    /// The value of the coated surface, if the base has the value `below` at the refracted directions.
     Rgb value(Vec3d l, Vec3d v, const Rgb& below) const {
         const double n = coat_.ior, reflected = interface_value(coat_, l, v);
         const double passed = transmitted(l.z) * transmitted(v.z) / (n * n);
@@ -82,8 +82,8 @@ class Layer {
     }
 
   private:
-    /// Matrices between rings of each channel: a function of two polar angles and a difference of azimuths φ is Σ_m
-    /// cos(mφ) times its harmonics, times 2 but for m = 0.
+    /// Matrices between rings, for each channel: a function of two polar angles and of a difference of azimuths φ is
+    /// Σ_m cos(mφ) times its harmonics, times 2 except for m = 0.
     static constexpr std::size_t k_harmonics = 6;
     using Harmonics = std::array<std::array<Eigen::MatrixXd, 3>, k_harmonics>;
 
@@ -117,12 +117,12 @@ class Layer {
         const Rings::Place at(cosine);
         return (1 - at.share) * passed_[std::size_t(at.first)] + at.share * passed_[std::size_t(at.first) + 1];
     }
-    /// The share of light from below that passes the interface: by reciprocity that of the refracted direction.
+    /// The share of light from below that passes the interface: by reciprocity `passed_` at the refracted direction.
     double escaping(double cosine) const {
         const double n = coat_.ior, outside = 1 - n * n * (1 - cosine * cosine);
         return outside > 0 ? transmitted(std::sqrt(outside)) : 0;
     }
-    /// The harmonics of the base, as of one that depends on the difference of the azimuths alone.
+    /// The harmonics of the base, as if it depended on the difference of the azimuths alone.
     static Harmonics harmonics(const Evaluate& base) {
         constexpr int k_light_directions = 8192;
         const MirrorMixture mixture(k_pi / 2);
@@ -149,7 +149,7 @@ class Layer {
     }
 
     Coat coat_;
-    std::vector<double> passed_;  ///< by rings, from outside
+    std::vector<double> passed_;  ///< light that passes the interface from outside, by rings
     Harmonics repeated_;          ///< reflected more than once below the interface [1/sr], times 2 but for m = 0
 };
 

@@ -17,7 +17,7 @@ namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr int k_lobes_of_coat = 3, k_bounded_azimuths = 5;
-/// An edit that asks for more than this fraction of the albedo's limit is said to be limited.
+/// An edit whose albedo would exceed the limit by this factor is marked as limited.
 constexpr double k_noted_excess = 1.001;
 template <typename... F> struct Cases : F... { using F::operator()...; };
 
@@ -53,7 +53,7 @@ Result<Done> validate(const Edit& edit) {
         edit);
 }
 
-/// The sum of both parts with the highlight widened, as a function.
+/// The sum of highlight and body as a function, with the highlight widened.
 Evaluate roughened(const HighlightAndBody& parts, double factor) {
     const auto highlight = evaluator(parts.highlight);
     Evaluate wide = roughened(highlight, factor, roughness_of(highlight));
@@ -72,7 +72,7 @@ struct Editor {
     double asked = 0;       ///< the largest albedo that the edit asks for, as a fraction of the limit
     std::string done = {};  ///< the edit that is done instead, if it is another of its kind
 
-    /// Fits lobes to f, which begin as those of the model or with their highlight widened.
+    /// Fits lobes to f. The fit begins with the lobes of the model, or with their highlight widened.
     Result<PmModel> fit(const Evaluate& f, const PmModel& model, double factor, int lobes) {
         const PmModel begin[] = {model, widened(model, factor)};
         asked = bound.excess(f);
@@ -83,8 +83,8 @@ struct Editor {
         if (roughen.factor == 1) return model;
         return fit(roughened(separated(model), roughen.factor), model, roughen.factor, model.lobes);
     }
-    /// The tint, with what it raises of highlight and body only as bright as the limit allows up to 75° from the normal:
-    /// were single lobes lowered instead, the hue would change.
+    /// The tint, with factors above 1 reduced until the albedo is within the limit up to 75° from the normal. If single
+    /// lobes were lowered instead, the hue would change.
     Tint within_limit(const PmModel& model, const Tint& wanted) const {
         if (largest_of(wanted.highlight) <= 1 && largest_of(wanted.body) <= 1) return wanted;
         const HighlightAndBody parts = separated(model);
@@ -119,7 +119,7 @@ struct Editor {
         return turned(model, turn.degrees * k_degree);
     }
     Result<PmModel> operator()(const PmModel& model, const Coat& coat) {
-        // Two passages of the interface turn light like facets of this slope below it.
+        // Light that passes the interface twice is spread like light from facets of this slope below it.
         const double slope = coat.roughness * (1 - 1 / coat.ior) / std::sqrt(2.0);
         const HighlightAndBody parts = separated(model);
         const double roughness = roughness_of(evaluator(parts.highlight));
@@ -143,7 +143,8 @@ Result<const PmModel*> require_pm(const Model& model) {
 /// True if the edit needs colours, which a spectral model does not have of its own.
 bool is_of_colours(const Edit& edit) { return !std::holds_alternative<Rotate>(edit); }
 
-/// The model in 16-bit floats. Errors: a coefficient is too large for them, or so small that its lobe becomes black.
+/// The model in 16-bit floats. Returns an error if a coefficient is too large for them, or so small that its lobe
+/// becomes black.
 Result<PmModel> in_halves(const PmModel& model, const char* where) {
     PmModel stored = rounded(model);
     for (std::size_t j = 0; j < stored.coefficient.size(); ++j)
@@ -153,7 +154,7 @@ Result<PmModel> in_halves(const PmModel& model, const char* where) {
     return stored;
 }
 
-/// Where a model comes from, without the errors of its fit.
+/// The provenance of a model without the errors of its fit.
 std::map<std::string, std::string> origin(const Model& model) {
     std::map<std::string, std::string> kept{{"generator", "srbf " SRBF_VERSION}};
     for (const char* key : {"source", "exchanged", "max_theta", "edits"})
@@ -225,7 +226,7 @@ Result<Model> blended(const Model& a, const Model& b, double mix) {
     const auto of_a = require_pm(a), of_b = require_pm(b);
     if (!of_a || !of_b) return (of_a ? of_b : of_a).error();
     if ((*of_a)->wavelength != (*of_b)->wavelength)
-        return argument_error("blend", "models", "the same wavelengths, or colours", "others");
+        return argument_error("blend", "models", "the same wavelengths, or colours", "different wavelengths");
     PmModel sum = joined(scaled(**of_a, float(1 - mix)), scaled(**of_b, float(mix)));
     for (const auto& valid : {require_range("blend", "variates of both", sum.variates, 1, k_most_variates),
                               require_range("blend", "lobes of both", sum.lobes, 1, k_most_lobes)})

@@ -162,7 +162,7 @@ PmModel saturated(PmModel model, double factor) {
 PmModel turned(PmModel model, double hue) {
     const auto cosine = float(elementary::cos(hue)), sine = float(elementary::sin(hue) / std::sqrt(3.0));
     return with_colours(std::move(model), [&](std::size_t, const Rgb& beta) {
-        // The difference to grey turns about (1, 1, 1) by Rodrigues' formula.
+        // The difference to grey is rotated about (1, 1, 1) by Rodrigues' formula.
         const auto mean = float(mean_of(beta));
         Rgb colour;
         for (int c = 0; c < 3; ++c)

@@ -16,8 +16,8 @@ PmModel turned(PmModel model, double hue);     ///< [rad]
 PmModel rotated(PmModel model, double angle);  ///< [rad]
 /// All coefficients times `factor`.
 PmModel scaled(PmModel model, float factor);
-/// The lobes begin a refit of a highlight widened by this factor: bandwidths and further exponents of the highlight's
-/// lobes.
+/// Lobes from which a refit of a highlight that is widened by this factor begins: bandwidths and further exponents of
+/// the highlight's lobes are changed.
 PmModel widened(PmModel model, double factor);
 
 /// The lobes of both. Variates that both have are shared; the result may have more than k_most_variates.
@@ -30,16 +30,16 @@ double roughness_of(const Evaluate& highlight);
 /// The highlight with slopes of half vectors `factor` times as large. At half vector h its value is
 ///   f(l₀, v₀) facets(l, v; factor α) / facets(l₀, v₀; α),
 /// with facets = D G / (4 cosθl cosθv) of GGX, and (l₀, v₀) about the half vector of h's azimuth and its slope over
-/// `factor`, at the same l·h and, as far as both are above the horizon, the same azimuth about it. Of GGX facets with
-/// roughness α it is exactly GGX of factor α, and symmetric if f is.
+/// `factor`, at the same l·h and, as far as both are above the horizon, the same azimuth about it. For GGX facets with
+/// roughness α the result is exactly GGX with `factor` α. It is symmetric if f is.
 Evaluate roughened(Evaluate highlight, double factor, double roughness);
 
 /// The surface `base` under a coat, see `Coat`.
 Evaluate coated(Evaluate base, const Coat& coat);
 
-/// Fits `lobes` lobes to f. It begins with the best of the models `begin`, at least one, all of one form and parameterization:
-/// without the least useful lobes if it has more, and with the best of many random ones if it has fewer. The albedo is at
-/// most `albedo_limit`. Errors: those of `observe` and `fit_pm`.
+/// Fits `lobes` lobes to f. It begins with the best of the models `begin`, at least one, all of one form and
+/// parameterization: without the least useful lobes if it has more, and with the best of many random ones if it has
+/// fewer. The albedo is at most `albedo_limit`. Returns an error if `observe` or `fit_pm` does.
 Result<PmModel> refit(const Evaluate& f, std::span<const PmModel> begin, int lobes, double albedo_limit,
                       const EditOptions& options);
 

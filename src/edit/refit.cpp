@@ -10,9 +10,9 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// Observations of a function without noise: a quarter of those of a measurement.
+/// Numbers of observations of a function, which has no noise: a quarter of the numbers for a measurement.
 constexpr std::size_t k_observed_pairs = 16384, k_fewer = 4;
-/// The number of pairs that choose the beginning.
+/// The number of pairs by which the beginning is chosen.
 constexpr std::size_t k_pairs_of_beginning = 4096;
 
 /// Lobes to begin with, and their loss of pairs.

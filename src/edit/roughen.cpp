@@ -24,7 +24,7 @@ double roughness_of(const Evaluate& highlight) {
     constexpr double k_steepest = 80 * k_degree, k_apart = 30 * k_degree;
     std::vector<Vec3f> wl, wv;
     std::vector<Rgb> f(k_steps);
-    std::vector<double> slope, share;  // of the projected area of facets, from the least slope on
+    std::vector<double> slope, share;  // slopes, and shares of the facets' projected area up to them
     for (int i = 0; i < k_steps; ++i) {
         const double theta = k_steepest * elementary::square((i + 0.5) / k_steps);
         const Vec3d h = spherical(theta, 0.0), across{0, elementary::sin(k_apart), 0};

@@ -62,9 +62,9 @@ namespace {
 
 using Triplet = std::array<double, 3>;
 
-// The constants up to `flip_map` are those of the reference implementation of ꟻLIP (see `flip_map`).
+// The constants up to `flip_map` come from the reference implementation of ꟻLIP (see `flip_map`).
 
-/// Linear sRGB as CIE XYZ, each divided by that of white.
+/// Linear sRGB as CIE XYZ, each divided by its value for white.
 Triplet to_relative_xyz(const Triplet& rgb) {
     constexpr double m[3][3] = {
         {0.412391, 0.357584, 0.180481}, {0.212639, 0.715169, 0.072192}, {0.019331, 0.119195, 0.950532}};
@@ -97,7 +97,7 @@ double scale_distance(double distance) {
     return distance < knee ? 0.95 * distance / knee : 0.95 + 0.05 * (distance - knee) / (largest - knee);
 }
 
-/// Y, Cx, Cz.
+/// The colours of an image as Y, Cx, Cz.
 std::array<Plane, 3> opponent_colours(const Image& image) {
     const Plane blank(image.width, image.height);
     std::array<Plane, 3> planes{blank, blank, blank};

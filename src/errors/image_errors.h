@@ -1,3 +1,4 @@
+// Errors of images: ꟻLIP.
 #pragma once
 #include "errors/picture.h"
 

@@ -21,7 +21,7 @@ struct TransformedValues {
     PairColumn log_1_plus;  ///< log(1 + f cosθl)
     PairColumn root;        ///< ∛f
     PairColumn sixth_root;  ///< ⁶√(f cosθl)
-    PairColumn logarithm;   ///< log f; for f ≤ 2⁻¹²⁰ that of 2⁻¹²⁰
+    PairColumn logarithm;   ///< log f; for f ≤ 2⁻¹²⁰ log 2⁻¹²⁰
 };
 /// Computes the other members from `f`, with a relative error of 1e-6 for numbers above 1e-36.
 void transform(const PairCosines& cosines, TransformedValues& values);

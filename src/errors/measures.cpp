@@ -22,7 +22,7 @@ struct WeightedPairs {
     std::size_t size() const { return wl.size(); }
 };
 
-/// The measures by the sums of one BRDF against the reference.
+/// The measures of one BRDF against the reference, from its sums.
 Measures measures_of(const ErrorSums& sums) {
     Measures all;
     for (std::size_t m = 0; m < k_measures.size(); ++m) {

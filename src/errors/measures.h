@@ -17,8 +17,8 @@ inline constexpr std::array<double, 4> k_albedo_theta{0, 30, 60, 75};
 
 /// Names of a measure in output.
 struct MeasureName {
-    const char* name;   ///< in JSON and provenance
-    const char* title;  ///< in tables
+    const char* name;   ///< name in JSON and provenance
+    const char* title;  ///< title in tables
     double Measures::*member;
     bool is_ratio;  ///< printed in per cent; otherwise the root of a mean, divided by `unit`
     double unit = 1;
@@ -50,8 +50,8 @@ std::vector<Measures> measure_heldout(const Channels& reference, std::span<const
                                       const MeasureOptions& options, std::uint64_t count = k_heldout_pairs,
                                       std::uint64_t seed = k_heldout_seed);
 
-/// The measures over samples: f has the measured channels of each sample, g those of the other BRDF. Each sample has
-/// weight 1; negative channels of f count as 0. Only samples within `sample_cap` count.
+/// The measures over samples: f has the measured channels of each sample, g the channels of the other BRDF. Each sample
+/// has weight 1; negative channels of f count as 0. Only samples within `sample_cap` count.
 Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const float> f,
                          std::span<const float> g, double max_theta);
 /// cos(θmax + 0.01°), with a tolerance for rounded angles in files.

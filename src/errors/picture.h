@@ -1,3 +1,4 @@
+// Pictures and their exposure.
 #pragma once
 #include <algorithm>
 #include <array>

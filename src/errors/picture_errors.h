@@ -8,12 +8,12 @@
 
 SRBF_BEGIN
 
-inline constexpr int k_sphere_pixels = 64;  ///< of a picture along a side
+inline constexpr int k_sphere_pixels = 64;  ///< width and height of a picture [pixels]
 
-/// The verdict on an error of pictures: the worse of those by ΔE_ITP and by ꟻLIP.
+/// The verdict on an error of pictures: the worse of the verdicts by ΔE_ITP and by ꟻLIP.
 enum class Verdict { alike, close, differs, other };
 inline constexpr std::size_t k_verdicts = 4;
-/// The most that a verdict but the last allows; of ΔE_ITP 1 is just noticeable (ITU-R BT.2124).
+/// The largest errors that each verdict but the last allows. A ΔE_ITP of 1 is just noticeable (ITU-R BT.2124).
 struct VerdictLimits {
     double delta_e, flip;
 };
@@ -24,8 +24,8 @@ std::string_view words(Verdict verdict);
 
 /// Names of a picture's error in output.
 struct PictureErrorName {
-    const char* name;   ///< in JSON
-    const char* title;  ///< in tables
+    const char* name;   ///< name in JSON
+    const char* title;  ///< title in tables
     double PictureErrors::*member;
 };
 inline constexpr std::array<PictureErrorName, 4> k_picture_errors{{
@@ -35,15 +35,16 @@ inline constexpr std::array<PictureErrorName, 4> k_picture_errors{{
     {"rms", "RMS of radiance", &PictureErrors::rms},
 }};
 
-/// The errors by which a fit is judged. Pictures of a fit to samples are compared with its own completion of them: it is
-/// judged by the worse of these and of those in cross-validation, and by ΔE_ITP at the samples if that is larger.
+/// The errors by which a fit is judged. Pictures of a fit to samples are compared with samples whose gaps the fit
+/// itself filled. So the worse of these errors and of the cross-validated ones counts, or ΔE_ITP at the samples if that
+/// is larger.
 Appearance judged(const Comparison& found);
-/// "hardly visible: ΔE_ITP 0.346 in the mean of eight lights, 0.41 under the worst". Of a fit to samples it has two
-/// sentences, with errors of the fit and of cross-validation; the second says where they differ by a factor of two.
+/// "hardly visible: ΔE_ITP 0.346 in the mean of eight lights, 0.41 under the worst". For a fit to samples it has two
+/// sentences, with errors of the fit and of cross-validation; the second says whether they differ by a factor of two.
 std::string headline(const Comparison& found, std::string_view between_sentences = "; ");
-/// The mean of at least one.
+/// The mean of one or more.
 Appearance mean_of(std::span<const Appearance> all);
-/// How pictures are compared. `is_isotropic`: all BRDFs are, which saves time.
+/// Options of the comparison of pictures. `is_isotropic`: true if all BRDFs are isotropic, which saves time.
 struct PictureOptions {
     int threads = 0, size = k_sphere_pixels;
     bool is_isotropic = false;

@@ -85,7 +85,7 @@ double sky(const Lighting& lighting, Vec3d shares, int channel) {
 struct Pixel {
     Vec3f wv;
     std::vector<Vec3f> wl;
-    std::vector<Vec3d> shares;  ///< for the first pairs: `sky_shares` times cosθl dωl, the terms of any sky
+    std::vector<Vec3d> shares;  ///< terms of any sky at the first pairs: `sky_shares` times cosθl dωl
     std::vector<Term> terms;    ///< the terms of the sources
 };
 /// The pixel with the frame's normal. `mirrored` are points of the mixture for a viewer with its θv at azimuth 0.
@@ -176,7 +176,7 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
         Quadrature points;
         std::vector<std::vector<Rgb>> f;  // the values of isotropic BRDFs
     };
-    std::map<int, Shared> mirrored;  // by squared distance; about eight pixels of a small picture share points
+    std::map<int, Shared> mirrored;  // keys are squared distances; about eight pixels share points
     std::vector<std::pair<const int, Shared>*> each;
     if (size <= k_most_shared)
         for (int y = 0; y < size; ++y)

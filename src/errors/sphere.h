@@ -9,7 +9,7 @@ SRBF_BEGIN
 struct Lighting {
     /// A disc of uniform radiance with a soft edge, or, with radius 0, a directional light.
     struct Source {
-        Vec3d direction;  ///< to the source, unit
+        Vec3d direction;  ///< unit vector to the source
         double radius;    ///< angular radius [degrees], below 90
         Rgb power;        ///< radiance, or irradiance of a directional light: π gives a white surface the radiance 1
     };

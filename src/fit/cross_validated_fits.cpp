@@ -20,7 +20,7 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// A few thousand samples need a shorter search than a table, and are searched six times.
+/// A few thousand samples need a shorter search than a table, and there are six fits of them.
 constexpr int k_sample_starts = 6, k_sample_perturbations = 14;
 /// The fits to folds, which only estimate the error of the fit to all samples, have fewer starts.
 constexpr int k_fold_starts = 3;
@@ -46,7 +46,7 @@ PmFitOptions sample_options(const ScatteredSamples& samples, const FitRequest& r
     return options;
 }
 
-/// The fit to samples that are observed like this, unless the model is view by view.
+/// The fit to samples, which have these observations, or null for a view-by-view model.
 Result<FitOutcome> fit_observed_samples(const ScatteredSamples& samples, const SampleObservations* observed,
                                         const FitRequest& request, const PmFitOptions& pm,
                                         const ProgressToken& progress) {
@@ -100,7 +100,7 @@ std::vector<float> heldout_values(const ScatteredSamples& samples, std::span<con
     return predicted;
 }
 
-/// The errors of a model at the samples, and of what the fits to other folds predict there.
+/// The errors of a model at the samples, and the errors of the predictions by fits to other folds.
 Comparison compared(const ScatteredSamples& samples, const FitRequest& request, const Model& model,
                     std::span<const float> predicted) {
     const std::span<const float> measured =

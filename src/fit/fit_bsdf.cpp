@@ -43,7 +43,7 @@ std::vector<Rgb> sampled(const Evaluate& f, bool exchanged) {
     return all;
 }
 
-/// The energy of values at these pairs, weighted with the cosines of both.
+/// The energy of the difference of values at these pairs, weighted with both cosines.
 double energy_between(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
     const auto directions = fibonacci_directions(k_compared, k_compared_theta);
     double energy = 0;
@@ -54,13 +54,13 @@ double energy_between(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
 }
 double energy(const std::vector<Rgb>& a) { return energy_between(a, std::vector<Rgb>(a.size())); }
 
-/// True if the front part may answer for the back part.
+/// True if the model of the front part may be used for the back part.
 bool alike(const Input& front, const Input& back, Part part) {
     const auto a = sampled(front.f, false), b = sampled(back.f, is_transmission(part));
     return energy_between(a, b) <= k_same_part * energy(a);
 }
 
-/// A model of 0, where the counterpart must not answer.
+/// A black model, for a part whose counterpart is not black.
 Model black() { return {GgxModel{{}, {GgxModel::Lobe{}}}, {}}; }
 
 std::vector<Hemispherical> hemispherical(const Input& input, const Evaluate& fitted, const Beams& beams, Part part) {
@@ -114,7 +114,7 @@ Result<std::vector<PartFit>> fit_parts(const Inputs& inputs, BsdfModel& model, c
     return parts;
 }
 
-/// Compares a part with what the model answers for it.
+/// Compares a part with the model's values for it.
 void measure(PartFit& fit, const Input& input, const BsdfModel& bsdf) {
     const Answering<Model> answer = answering(bsdf.part, fit.part);
     const Evaluate fitted = [&](auto wl, auto wv, auto f) {
@@ -132,7 +132,7 @@ void measure(PartFit& fit, const Input& input, const BsdfModel& bsdf) {
     }
 }
 
-/// True if sums are of several azimuths.
+/// True if the sums have several azimuths of incidence.
 bool is_turned(const std::vector<Hemispherical>& sums) {
     return std::ranges::any_of(sums, [](const Hemispherical& sum) { return sum.phi != 0; });
 }

@@ -1,4 +1,4 @@
-// The table of the options of a fit. The command line, Python and pages have what stands here.
+// The table of the options of a fit, which the command line, Python and pages read.
 #include "fit/fit_options.h"
 
 #include <fmt/format.h>
@@ -90,7 +90,7 @@ FitOptionRow model() {
     }(std::type_identity<AnyRequest>());
 }
 
-/// The forms that are fitted, with what they are.
+/// The forms that are fitted, with their summaries.
 FitOptionRow form() {
     std::vector<Text> names;
     std::vector<std::string> summaries;
@@ -217,7 +217,7 @@ Error wrong(std::string what, std::string expected = {}, std::string found = {})
     return {{}, {}, std::move(what), std::move(expected), std::move(found), ErrorCode::argument};
 }
 
-/// An error if there is no such option, or if the model does not read it.
+/// Returns an error if there is no such option, or if the model does not read it.
 Result<Done> check_reads(Text name, Text model, const Spelling& spelled) {
     Models models;
     std::vector<std::string> names;
@@ -234,7 +234,7 @@ Result<Done> check_reads(Text name, Text model, const Spelling& spelled) {
                              fmt::join(models, " or "), model));
 }
 
-/// Errors: options that exclude each other.
+/// Returns an error if two options exclude each other.
 Result<Done> check_together(const FitRequest& request, const FitTexts& texts, const Spelling& spelled) {
     if (request.spectral && !std::holds_alternative<PmRequest>(request.model))
         return wrong(fmt::format("{}: spectral only with {} pm", spelled("channels"), spelled("model")));

@@ -34,8 +34,8 @@ using FitTexts = std::map<std::string, std::string, std::less<>>;
 /// The spelling of an option in an interface, such as "--max-theta".
 using Spelling = std::function<std::string(std::string_view name)>;
 
-/// The request of these options. Errors, of one line with names in the interface's spelling: an unknown name; an
-/// invalid text; an option that the model does not read; options that exclude each other.
+/// The request of these options. Returns an error, one line with names in the interface's spelling, if a name is
+/// unknown, a text invalid, an option not read by the model, or if two options exclude each other.
 Result<FitRequest> fit_request(const FitTexts& texts, const Spelling& spelled = {});
 
 SRBF_END

@@ -14,9 +14,9 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// More than the distance of most tables' nodes, so that their noise differs.
+/// The step between values whose noise is independent: more than the distance of most tables' nodes.
 constexpr double k_noise_step = 3 * k_degree;
-/// Both directions of a pair, and the light's when it is turned.
+/// The largest polar angle of light and viewer, also after the light is rotated.
 constexpr double k_noise_theta = 80 * k_degree;
 constexpr std::size_t k_noise_pairs = 8192;
 /// A normal distribution has this median of |x| in standard deviations, and this variance of x0 − (x1 + x2) / 2.
@@ -25,7 +25,7 @@ constexpr double k_median_of_normal = 0.6745, k_variance_of_difference = 1.5;
 constexpr double k_noisy = 0.3;
 /// Clean tables have almost no isolated negative values.
 constexpr double k_negative = 0.01;
-/// A value within so many deviations of the fitted one differs by noise.
+/// A value within this number of deviations of the fitted one differs by noise.
 constexpr float k_noise_limit = 3;
 /// Before the first fit, values below this many standard deviations are weighted alike.
 constexpr float k_alike = 5;
@@ -39,8 +39,7 @@ double median(std::vector<double> x) {
     return *middle;
 }
 
-/// The standard deviation of values, of which each has a mean, by the median of those with the darker half of the
-/// means.
+/// The standard deviation of values, each with a mean, from the median of the values with the darker half of the means.
 double dark_deviation(std::vector<std::pair<double, double>> means) {
     if (means.empty()) return 0;
     std::ranges::sort(means);
@@ -50,7 +49,7 @@ double dark_deviation(std::vector<std::pair<double, double>> means) {
     return median(std::move(values)) / k_median_of_normal;
 }
 
-/// The direction turned by an angle towards the tangent of that azimuth.
+/// The direction rotated by an angle towards the tangent of that azimuth.
 Vec3f turned(Vec3f w, double azimuth, double angle) {
     const Vec3d z = to_double(w);
     const Frame frame = frame_about(z);
@@ -58,7 +57,7 @@ Vec3f turned(Vec3f w, double azimuth, double angle) {
     return to_float(elementary::cos(angle) * z + elementary::sin(angle) * across);
 }
 
-/// f at triples of pairs: one, and those with its light turned to either side.
+/// f at triples of pairs: one pair, and two with its light rotated to either side.
 std::vector<Rgb> at_triples(const Evaluate& f) {
     const MirrorMixture cap(k_noise_theta);
     std::mt19937_64 random(0);
@@ -90,7 +89,7 @@ Evaluate above_noise(const Evaluate& f, const Rgb& deviation) {
     };
 }
 
-/// λ of `smoothed`.
+/// The fractions λ of `smoothed`.
 Rgb share_of_noise(const Evaluate& f, const Evaluate& fitted, const Rgb& deviation) {
     const std::vector<Rgb> values = at_triples(f), means = at_triples(fitted);
     Rgb share;
@@ -126,7 +125,7 @@ Noise noise_of(const Evaluate& f) {
     const std::vector<Rgb> values = at_triples(f);
     Noise noise;
     for (int c = 0; c < 3; ++c) {
-        std::vector<std::pair<double, double>> means;  // with their second differences; of noise both are independent
+        std::vector<std::pair<double, double>> means;  // (mean, second difference), which noise makes independent
         std::size_t negative = 0;
         for (std::size_t i = 0; i < values.size(); i += 3) {
             const double x = double(values[i][c]), beside = double(values[i + 1][c]) + double(values[i + 2][c]);

@@ -8,7 +8,7 @@ namespace SRBF_NAMESPACE {
 /// hardly any, independent noise of variance σ² has 3/2 σ². f may be negative or NaN.
 Noise noise_of(const Evaluate& f);
 
-/// True if noise biases a fit that takes each value for what it is: much of it, or values below 0 by it.
+/// True if noise biases a fit to the values as they are: if it is large, or if it makes values negative.
 bool is_noisy(const Noise& noise);
 
 /// The deviation relative to the value, by means over the channels; 0 where the value is not above 0.
@@ -16,14 +16,14 @@ inline double share_of(const Noise& noise) {
     const auto sum = [](const Rgb& x) { return double(x.r) + double(x.g) + double(x.b); };
     return sum(noise.level) > 0 ? sum(noise.deviation) / sum(noise.level) : 0;
 }
-/// The deviation relative to the value, of the channel where that is largest; infinite where there is noise about a
-/// value that is not above 0.
+/// The largest deviation of a channel relative to its value; infinite if there is noise about a value that is not above
+/// 0.
 double largest_share(const Noise& noise);
 
-/// f smoothed to its noise: f − λ clamp(f − f̂, ±3σ). It is f̂ where the two differ by noise, and keeps what f̂ lacks.
-/// λ = min(1, σ²/ρ²) is how much of the difference f − f̂, of deviation ρ, is noise where it is dark. f̂ comes from
-/// short fits to f as it is, negative values included, whose weights come from √(f² + 25 σ²) first and from the
-/// smoothed f then. `axial`: whether f is isotropic.
+/// f smoothed to its noise: f − λ clamp(f − f̂, ±3σ). It is f̂ where the two differ by noise, and keeps features that
+/// f̂ lacks. λ = min(1, σ²/ρ²) is the fraction of the difference f − f̂, whose deviation is ρ in the dark, that is
+/// noise. f̂ comes from short fits to f as it is, negative values included, whose weights come from √(f² + 25 σ²) first
+/// and from the smoothed f then. `axial`: true if f is isotropic.
 Result<Evaluate> smoothed(const Evaluate& f, const Noise& noise, bool axial, int threads,
                           const ProgressToken& progress);
 

@@ -8,7 +8,7 @@ SRBF_BEGIN
 
 /// The ΔE_ITP of `AutomaticLobes`.
 inline constexpr double k_finest_delta_e = 0.01, k_most_delta_e = 100;
-/// The J that it chooses from, for samples up to k_most_sample_lobes.
+/// The numbers of lobes that it tries; for samples up to k_most_sample_lobes.
 inline constexpr int k_tried_lobes[] = {2, 3, 4, 6, 9, 12, 16, 24}, k_most_sample_lobes = 12;
 
 /// The names of the models that a request can ask for, in the order of `AnyRequest`.

@@ -11,7 +11,7 @@
 
 namespace SRBF_NAMESPACE {
 
-/// Bytes of f at all pairs of n directions in floats.
+/// The size of f at all pairs of n directions in 32-bit floats [bytes].
 constexpr std::uint64_t raw_bytes(std::uint64_t n, std::uint64_t channels = 3) {
     return n * n * channels * sizeof(float);
 }
@@ -26,7 +26,7 @@ inline std::optional<int> lobes_of(const PmRequest& pm) {
     return count ? std::optional(count->lobes) : std::nullopt;
 }
 
-/// `form`: that of a request without one, which depends on what is fitted (`PmRequest::form`).
+/// `form` is used if the request has none; it depends on the measurement (`PmRequest::form`).
 inline PmFitOptions pm_options(const FitRequest& request, bool axial, PmForm form) {
     const PmRequest& pm = std::get<PmRequest>(request.model);
     const FormRow& row = row_of(pm.form.value_or(form));
@@ -48,7 +48,8 @@ template <typename Fit> FitOutcome outcome_of(Fit fit) {
     return outcome;
 }
 
-/// Writes the file of a measurement into a model of it, that light and viewer were exchanged, and the aperture.
+/// Writes into a model's provenance the file of its measurement, whether light and viewer were exchanged, and the
+/// aperture.
 inline void name_source(Model& model, const Measured& measured) {
     if (!measured.source.empty())
         model.provenance["source"] = measured.source.substr(measured.source.find_last_of('/') + 1);
@@ -56,7 +57,7 @@ inline void name_source(Model& model, const Measured& measured) {
     if (const auto* samples = std::get_if<ScatteredSamples>(&measured.table); samples && !samples->receiver.empty())
         model.provenance["receiver [nm, sr]"] = fmt::format("{}", samples->receiver);
 }
-/// `error`, of the file of the measurement.
+/// `error` with the file of the measurement as its source.
 inline Error of_source(Error error, const Measured& measured) {
     if (!measured.source.empty()) error.source = measured.source;
     return error;

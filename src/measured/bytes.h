@@ -1,4 +1,4 @@
-// Numbers in bytes, and what the readers and the writers of binary formats share.
+// Numbers in bytes, and constants that readers and writers of binary formats share.
 #pragma once
 #include <array>
 #include <cstddef>

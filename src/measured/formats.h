@@ -17,7 +17,7 @@ struct TableSource {
     const Measured* measured = nullptr;  ///< null for a model
     Channels spectra = {};               ///< its spectra, if it has some; otherwise without wavelengths
 };
-/// Sets the parts of a source to those of a BSDF. One of which nothing is known is black: it reflects 0.
+/// Sets the parts of a source to the parts of a BSDF. A BSDF without any known part becomes a black reflection.
 template <typename B> void set_parts(TableSource& source, const Parts<B>& parts, const Beams& beams) {
     source.two_sided = true;
     for (std::size_t p = 0; p < k_parts; ++p) source.has[p] = is_known(parts, beams, Part(p));
@@ -39,8 +39,8 @@ struct TableOptions {
     double max_theta = 89 * k_degree;  ///< bound on θ of these directions [rad]
     std::string choice = {};           ///< a value of the format's `WriterOption`; empty for the default
     bool spectra = true;               ///< RGL files hold spectra beside colours, see `write_rgl`
-    int threads = 0;                   ///< 0 for as many as the machine has; the result does not depend on it
-    ProgressToken progress = {};       ///< for cancellation
+    int threads = 0;                   ///< number of threads; 0: all of the machine. The result does not depend on it
+    ProgressToken progress = {};       ///< the token that can cancel the writer
 };
 
 struct Format {
@@ -70,7 +70,7 @@ std::span<const Format> formats();
 const Format* format_of(std::span<const std::byte> bytes);
 /// The format with a writer whose extension the path ends in, the longest one of several; null if there is none.
 const Format* format_written_to(std::string_view path);
-/// Reads a file of a known format. Errors: those of the format.
+/// Reads a file of a known format. Returns an error if the format's reader does.
 Result<Measured> read_as(const Format& format, std::span<const std::byte> bytes, const std::string& file_name,
                          const ReadOptions& options = {});
 /// The largest size of a file that begins with `head` in any format.

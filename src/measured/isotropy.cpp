@@ -19,9 +19,10 @@ constexpr double k_small_rotation = 15 * k_degree;
 constexpr double k_rounding = 1e-6, k_noise = 0.02;
 /// Noise changes as much under a small rotation as under any other; a brushed surface changes far less.
 constexpr double k_most_growth = 2.5;
-/// The growth for samples where each counts the same, and the least change of pairs that are exactly rotated.
+/// The growth for samples, of which each counts the same, and the least change of pairs that are exactly rotated.
 constexpr double k_least_growth = 1.5, k_weakest = 1e-4;
-/// Known noise changes the sum by as much as its variance, which is known to a tenth, and by so many deviations of it.
+/// Known noise changes the sum by its variance, which is known to a tenth, and by at most k_deviations standard
+/// deviations.
 constexpr double k_noise_margin = 1.1, k_deviations = 3;
 
 struct ValuesAtPairs {
@@ -54,7 +55,7 @@ Complex rotation_between(const ScatteredSamples& samples, std::size_t i, std::si
 /// True if rotation changes no more than its halves: all directions lie in one plane, or lights or viewers are off the
 /// normal and have one azimuth, within half a degree.
 bool lacks_rotations(const ScatteredSamples& samples) {
-    constexpr double k_most = 1e-4;  // of sin² and of products of sines
+    constexpr double k_most = 1e-4;  // bound on sin² and on products of sines
     const auto sine2 = [](const Vec3f& w) { return between(w, w).real(); };
     const auto farthest = [&](const std::vector<Vec3f>& w) { return *std::ranges::max_element(w, {}, sine2); };
     const auto lie_in_plane = [](const Vec3f& axis, const std::vector<Vec3f>& all, double least) {

@@ -1,4 +1,4 @@
-// Files of one sample, as a goniometer writes one an incidence, as one.
+// Joins files of one sample, such as a goniometer's files for single incidences.
 #include <fmt/ranges.h>
 
 #include <map>
@@ -23,7 +23,7 @@ std::set<std::string_view> parts_of(std::string_view text) {
     return {parts.begin(), parts.end()};
 }
 
-/// Returns what is the same in all files of one sample.
+/// Describes what all files of one sample must share: wavelengths or colours, and the names of values.
 std::string kind_of(const Measured& file) {
     const auto* samples = std::get_if<ScatteredSamples>(&file.table);
     if (!samples) return "a table, or two sides";

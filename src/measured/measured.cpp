@@ -59,14 +59,16 @@ namespace {
 
 bool is_normal(Vec3f w) { return w.x == 0 && w.y == 0; }
 
-/// True if look-up may need the azimuth of a direction along the normal, which has none. RGL's needs that of the light.
+/// True if look-up may need the azimuth of a direction along the normal, which has none. RGL's needs the light's
+/// azimuth.
 bool lacks_azimuth(const Measured& measured, Vec3f wl, Vec3f wv) {
     return (is_normal(wl) || (!std::holds_alternative<RglTable>(measured.table) && is_normal(wv))) &&
            !std::holds_alternative<ScatteredSamples>(measured.table);
 }
 
-/// The mean of what look_up(wl, wv, f) sets over all azimuths of a direction that lacks one, which is turned to each,
-/// nearer to the normal than rounding. Where one was not measured, it is what the pair itself has.
+/// The mean of the values that look_up(wl, wv, f) sets, over all azimuths of a direction that has none. The direction
+/// is moved to each azimuth by less than rounding. If a value was not measured, the result is the value of the pair
+/// itself.
 template <typename LookUp> void look_up_mean(Vec3f wl, Vec3f wv, std::span<float> f, const LookUp& look_up) {
     constexpr int k_turns = 16;
     look_up(wl, wv, f);

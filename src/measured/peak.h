@@ -35,7 +35,7 @@ Peak peak_of(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<con
 /// The peak of a function at pairs with lights at four polar angles and eight azimuths, and viewers that are dense
 /// around the four directions.
 Peak peak_of(const Evaluate& brdf);
-/// The peak of the samples of a measurement, or of the values of a table. A BSDF has that of its first part.
+/// The peak of the samples of a measurement, or of the values of a table. For a BSDF it is the peak of the first part.
 Peak peak_of(const Measured& measured);
 
 /// A sentence about the peak, with a question if the azimuths seem wrong.

@@ -70,7 +70,7 @@ void SampleBuilder::add(Vec3d wl, Vec3d wv, std::span<const float> f, float weig
 
 namespace {
 
-/// The numbers of the rows without `missing`, and how many rows have it.
+/// The numbers of the rows without `missing`, and the number of rows with it.
 struct OtherRows {
     std::size_t with = 0;
     float least = 0, most = 0;

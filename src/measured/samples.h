@@ -13,7 +13,7 @@
 
 namespace SRBF_NAMESPACE {
 
-/// The numbers of a sample. The two of a polarized one are averaged.
+/// The kinds of numbers in a sample. The two numbers of a polarized one are averaged.
 enum class Values { grey, rgb, xyz, spectrum, polarized };
 
 /// Limit on the columns of a file, far above those of any measurement.
@@ -23,8 +23,8 @@ inline constexpr std::size_t k_absent = k_most_columns;  ///< the position of a 
 /// Collects the valid samples of a file.
 class SampleBuilder {
   public:
-    /// For a file with `bytes` bytes and at most `rows` rows. Samples and their index may take at most four times the
-    /// size of the file and 32 MB, which limits their number.
+    /// Prepares for a file with `bytes` bytes and at most `rows` rows. Samples and their index may take at most four
+    /// times the size of the file and 32 MB, which limits their number.
     SampleBuilder(Values values, std::vector<float> wavelengths, std::size_t bytes, std::size_t rows);
     std::size_t width() const {
         return values_ == Values::grey        ? 1
@@ -37,8 +37,8 @@ class SampleBuilder {
     void add(Vec3d wl, Vec3d wv, std::span<const float> f, float weight = 1);
     bool empty() const { return samples_.wl.empty(); }
     /// Returns the samples, without an index. Masks numbers that stand for no value (`mask_missing`), with a note.
-    /// Errors: no samples are left; there were too many.
-    /// `isotropic`: the file says so; otherwise `change_by_azimuth` decides.
+    /// Returns an error if no samples are left, or if there were too many. `isotropic`: true if the file says so;
+    /// otherwise `change_by_azimuth` decides.
     Result<ScatteredSamples> finish(const std::string& file_name, std::string description, bool isotropic = false) &&;
 
   private:
@@ -49,25 +49,25 @@ class SampleBuilder {
     bool too_many_ = false;
 };
 
-/// Masks the numbers that stand for no value in a measurement, as −999, in rows of `width` numbers: sets every number
+/// Masks numbers that stand for no value in a measurement, such as −999, in rows of `width` numbers: sets every number
 /// of their rows to NaN. Such a number is
-/// * the least of all, if it is below 0, an integer or in several rows, ten times as far below 0 as other rows' numbers,
-///   and either twice as far from 0 as the median of positive ones or an integer among fractions. A row with a number
-///   as large has a saturated colour instead;
-/// * the largest of all, if several rows have it, it is an integer of nines or the largest of a type (9999, 65535), and it
-///   is twice as large as other rows' numbers.
+/// * the least of all, if it is below 0, an integer or in several rows, ten times as far below 0 as numbers of other
+///   rows, and either twice as far from 0 as the median of positive ones or an integer among fractions. A row with a
+///   number as large has a saturated colour instead;
+/// * the largest of all, if several rows have it, it is an integer of nines or the largest of a type (9999, 65535), and
+///   it is twice as large as numbers of other rows.
 /// The numbers are in the unit of their file. `notes`: receives a line for each of them.
 void mask_missing(std::span<float> rows, std::size_t width, std::vector<std::string>* notes = nullptr);
 
 /// Keeps the samples whose numbers `keep` accepts, and counts the others as masked.
 void keep_samples(ScatteredSamples& samples, const std::function<bool(std::size_t)>& keep);
-/// Gives them the spectra of what they are samples of, if it has some.
+/// Gives the samples the spectra of the BRDF that they were taken from, if it has some.
 void set_spectra(ScatteredSamples& samples, const Channels& spectra);
 
 /// Σ_k w_k colour_k / Σ_k w_k with the w_k of `ScatteredSamples`, for colours that are no f_r.
 Rgb mean_of_neighbours(const ScatteredSamples& samples, Vec3f wl, Vec3f wv);
 
-/// Converts values to f, and masks those that become too large. `unit`: of the values.
+/// Converts values to f, and masks values that become too large. `unit`: factor of the values.
 void to_bsdf(ScatteredSamples& samples, Quantity quantity, double unit = 1);
 
 enum class AngleKind { polar, azimuth };
@@ -82,7 +82,7 @@ inline constexpr AngleUnit k_in_degrees{k_degree, "degrees"}, k_in_radians{1, "r
 /// passes, since its sample is masked. Returns the expectation for an error message, empty for a valid angle.
 std::string expected_angle(AngleKind kind, double number, AngleUnit unit);
 
-/// Stands between the lines of a header in a description.
+/// The text between the lines of a header in a description.
 inline constexpr std::string_view k_line_end = "; ";
 
 // Readers without `make_index`, which can wait until the text is freed.
@@ -100,7 +100,7 @@ Result<ScatteredSamples> read_alta(std::span<const std::byte> bytes, const std::
 /// theta_l, phi_l, theta_v, phi_v with the unit as the suffix _deg or _rad. Values [1/sr]: r, g, b, or x, y, z, or one
 /// column `value`, or a spectrum in columns named by wavelength (450nm or nm450). Lines that begin with '#' are
 /// comments; the comment `# isotropic` declares the samples isotropic. docs/formats.md lists other names, separators,
-/// and what is assumed of azimuths and units that are missing, which `notes` tells. `options` may name the columns.
+/// and assumptions about missing azimuths and units, which `notes` states. `options` may name the columns.
 Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::string& file_name,
                                   const ReadOptions& options);
 Result<ScatteredSamples> indexed(Result<ScatteredSamples> samples);
@@ -108,7 +108,7 @@ Result<ScatteredSamples> indexed(Result<ScatteredSamples> samples);
 /// Tolerance of azimuths [rad] and of components of directions, which files state with four digits or more.
 inline constexpr double k_azimuth_rounding = 1e-4;
 
-/// Stands for any number of blanks, tabs or commas between fields.
+/// The separator that is any number of blanks, tabs or commas.
 inline constexpr char k_any_separator = 0;
 /// Splits a row into fields; for ' ' and `k_any_separator`, into words.
 inline void split_row(std::string_view line, char separator, std::vector<std::string_view>& fields) {
@@ -139,7 +139,7 @@ template <typename T> std::optional<T> number_in(std::string_view field) {
 class NumberRow {
   public:
     NumberRow(std::size_t columns, const std::string& file_name) : columns_(columns), file_name_(file_name) {}
-    /// Splits a line into fields (`split_row`). Error: their number is not that of the columns.
+    /// Splits a line into fields (`split_row`). It is an error if their number is not the number of columns.
     void read(std::string_view text, std::uint64_t line, char separator = ',') {
         line_ = line;
         split_row(text, separator, fields_);
@@ -196,8 +196,8 @@ bool has_colours(std::span<const float> wavelengths);
 
 /// True if the first kilobytes of `bytes` are text.
 bool is_text(std::span<const std::byte> bytes);
-/// Text in UTF-16 with a byte-order mark, or with lines ended by CR alone, as UTF-8 with lines ended by LF. No value for
-/// any other bytes.
+/// Text in UTF-16 with a byte-order mark, or with lines ended by CR alone, as UTF-8 with lines ended by LF. No value
+/// for any other bytes.
 std::optional<std::string> plain_text(std::span<const std::byte> bytes);
 
 /// θ_l, φ_l, θ_v, φ_v [rad], wavelength [nm], f [1/sr], weight. f is NaN where nothing was measured.
@@ -205,8 +205,8 @@ using SpectralRow = std::array<float, 7>;
 inline constexpr std::size_t k_wavelength_column = 4, k_value_column = 5, k_weight_column = 6;
 
 /// Groups rows into pairs of directions with their spectra. Rows that differ only in the value, such as
-/// polarizations, are averaged. Pairs that lack a wavelength are masked. Sorts `rows`. Errors: wavelengths out of
-/// range; no samples.
+/// polarizations, are averaged. Pairs that lack a wavelength are masked. Sorts `rows`. Returns an error if wavelengths
+/// are out of range, or if there are no samples.
 Result<ScatteredSamples> samples_of_rows(std::vector<SpectralRow>& rows, std::size_t bytes,
                                          const std::string& file_name, std::string description, bool isotropic = false);
 

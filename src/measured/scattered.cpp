@@ -61,7 +61,7 @@ class Nearest {
     const std::pair<float, std::uint32_t>& operator[](std::size_t i) const { return found_[i]; }
 
   private:
-    static constexpr int k_patience = 2000;  // at most 108 are needed for known measurements
+    static constexpr int k_patience = 2000;  // known measurements need at most 108
     std::size_t most_, count_ = 0;
     std::array<std::pair<float, std::uint32_t>, k_neighbours + 1> found_;
     mutable int candidates_ = 0;
@@ -101,8 +101,8 @@ class SampleIndex {
 
 namespace {
 
-/// Removes coincident points beyond the number that a search returns, since searches among very many are as slow as in a
-/// list. Returns the indices of the others.
+/// Removes coincident points beyond the number that a search returns, since searches among very many are as slow as in
+/// a list. Returns the indices of the others.
 std::vector<std::uint32_t> keep_few_coincident(Points& points) {
     auto& coordinates = points.coordinates;
     std::vector<std::uint32_t> order(coordinates.size()), kept;
@@ -180,7 +180,7 @@ Blend blend(const ScatteredSamples& samples, Vec3f wl, Vec3f wv) {
     return blend;
 }
 
-/// The weights of f_r: those of f A times ((1 − t) / A + t / Ā), see `ScatteredSamples`.
+/// The weights of f_r: the weights of f A times ((1 − t) / A + t / Ā), see `ScatteredSamples`.
 Blend blend_of_values(const ScatteredSamples& samples, Vec3f wl, Vec3f wv) {
     constexpr double ridge = 0.01, rounding = 1e-12;
     Blend blend = srbf::blend(samples, wl, wv);

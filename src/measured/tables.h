@@ -1,4 +1,4 @@
-// Values of the tables of each format, and what a format alone knows of its table.
+// Values of the tables of each format, and functions that a format alone has for its table.
 #pragma once
 #include <optional>
 
@@ -18,7 +18,7 @@ Rgb signed_value(const RglTable& table, Vec3f wl, Vec3f wv);
 Rgb signed_value(const MbsdfTable& table, Vec3f wl, Vec3f wv);
 /// f_r by interpolation. Never NaN: masked samples are left out.
 Rgb signed_value(const ScatteredSamples& samples, Vec3f wl, Vec3f wv);
-/// f_r of its function.
+/// f_r by the function of the table.
 Rgb signed_value(const EvaluatedTable& table, Vec3f wl, Vec3f wv);
 /// f of the chosen band on either side: `value` of the part, or of its counterpart if the part is missing; 0 without
 /// both.
@@ -34,7 +34,7 @@ void evaluate_signed(const MerlTable& table, std::span<const Vec3f> wl, std::spa
 void signed_spectrum(const RglTable& table, Vec3f wl, Vec3f wv, std::span<float> f);
 void signed_spectrum(const ScatteredSamples& samples, Vec3f wl, Vec3f wv, std::span<float> f);
 
-/// How far samples change with the azimuth, which isotropic ones do not: √(Σ |g_i − g_k|² / Σ |g_i|²) of g = f cosθl
+/// The change of samples with the azimuth, which isotropic ones lack: √(Σ |g_i − g_k|² / Σ |g_i|²) of g = f cosθl
 /// cosθv, over pairs of samples that a turn about the normal by more than 15° takes to each other, within 0.1° or 10°.
 /// 0 if there are none, as of lights or viewers at one azimuth, or in one plane, whose halves may differ; up to 14 %
 /// (noise), or 1 % where turns near 180° change less; and if smaller turns change more than 0.4 of it.
@@ -46,8 +46,8 @@ Channels signed_spectra(const Measured&&) = delete;
 
 /// True if f(Rωl, Rωv) = f(ωl, ωv) for rotations R about the normal, up to rounding or noise, over θ ≤ max_theta [rad]:
 /// the mean squared change of f cosθl cosθv under random rotations is at most 1e-6 of the mean square of f cosθl cosθv,
-/// or at most 2 % of it and at most 2.5 times the change under rotation by 15°. Independent noise of the standard
-/// deviation `noise` [1/sr] of each channel changes as much as it does by itself.
+/// or at most 2 % of it and at most 2.5 times the change under rotation by 15°. The change that independent noise with
+/// the standard deviation `noise` [1/sr] of each channel causes is subtracted.
 bool is_isotropic(const Evaluate& f, double max_theta, const Rgb& noise = {});
 
 /// True if two shares of a beam are equal within the accuracy of a fit: 1 % of their mean, or 0.001.
@@ -61,13 +61,13 @@ struct SeparatedBeam {
     Evaluate rest;  ///< f with the peak cut off at the level about it
     Beam beam;      ///< the share that is cut off
 };
-/// A line of what `srbf info` says about a table: a text, or the ranges of colours, channel by channel.
+/// A line that `srbf info` prints about a table: a text, or the ranges of colours, channel by channel.
 struct TableLine {
     std::string name, text;
     std::span<const Rgb> colours = {};
 };
 
-/// The functions that any table has, by its format.
+/// The functions that a format provides for its tables.
 struct TableFunctions {
     std::function<std::vector<TableLine>()> lines;
     /// The part without its peaks of unscattered light, if it has any; null: it has none.

@@ -80,7 +80,7 @@ std::vector<std::byte> write_map(const TexelMap& map) {
 
 namespace {
 
-/// Takes the tensors of texels out of `content`, which keeps those of a model with coefficients 1.
+/// Takes the tensors of texels out of `content`, which keeps the tensors of a model with coefficients 1.
 Result<Done> take_texels(Safetensors& content, TexelMap& map, const std::string& file_name) {
     auto& tensors = content.tensors;
     const auto extent = [&](const char* name) {

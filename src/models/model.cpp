@@ -43,7 +43,7 @@ Safetensors content_of(const Model& model) {
         model.model);
 }
 
-/// An error if a number is not stored within a half of itself: beyond the range of 16-bit floats, or too small for them.
+/// Returns an error if storing changes a number by more than half: it is too large or too small for 16-bit floats.
 std::optional<Error> lost_number(const Parameters& given, const Parameters& stored) {
     for (std::size_t i = 0; i < given.size(); ++i) {
         const auto *from = std::get_if<NumberArray>(&given[i].value), *to = std::get_if<NumberArray>(&stored[i].value);
@@ -59,7 +59,7 @@ std::optional<Error> lost_number(const Parameters& given, const Parameters& stor
 template <typename> struct Kinds;
 template <typename... M> struct Kinds<std::variant<M...>> {
     static std::vector<std::string_view> names() { return {Kind<M>::name...}; }
-    /// The model of these, which `kind` names.
+    /// Reads the model of the kind `kind` from its tensors and metadata.
     static Result<Model> read(std::string_view kind, Safetensors& content, const std::string& file_name) {
         std::optional<Result<Model>> model;
         const auto read_one = [&]<typename K>(std::type_identity<K>) {
@@ -73,7 +73,7 @@ template <typename... M> struct Kinds<std::variant<M...>> {
         (read_one(std::type_identity<M>()), ...);
         return *std::move(model);
     }
-    /// The model of these parameters, by which a kind recognises its own.
+    /// The model of these parameters, whose names determine its kind.
     static Result<Model> from_parameters(ParameterReader reader) {
         std::optional<Result<Model>> model;
         const auto make_one = [&]<typename K>(std::type_identity<K>) {
@@ -81,7 +81,7 @@ template <typename... M> struct Kinds<std::variant<M...>> {
         };
         (make_one(std::type_identity<M>()), ...);
         if (model) return *std::move(model);
-        return Error{{}, {}, "parameters", "those of a model", "others", ErrorCode::argument};
+        return Error{{}, {}, "parameters", "the parameters of a model", {}, ErrorCode::argument};
     }
 
   private:
@@ -101,7 +101,7 @@ template <typename... M> struct Kinds<std::variant<M...>> {
 };
 using AllKinds = Kinds<decltype(Model::model)>;
 
-/// The model of these; of a BSDF's part it may not be another.
+/// The model with this content. The part of a BSDF may not be a BSDF.
 Result<Model> model_of(Safetensors content, bool is_part, const std::string& file_name) {
     auto kinds = AllKinds::names();
     if (is_part) std::erase(kinds, Kind<BsdfModel>::name);

@@ -1,4 +1,4 @@
-// Files of models and maps have these in common.
+// Definitions that files of models and of maps share.
 #pragma once
 #include <cstdint>
 
@@ -6,24 +6,24 @@
 
 SRBF_BEGIN
 
-/// The metadata `srbf` of all files, and `model` of maps and of the texels with lobes of their own of version 0.1.
+/// The metadata `srbf` of all files; `model` of maps, and of maps of version 0.1 whose texels have lobes of their own.
 inline constexpr std::string_view k_file_version = "1", k_map_kind = "pm-basis", k_stack_kind = "pm-stack";
 
-/// An error if a coefficient of the model, or a reflectance of its facets, is above the largest 16-bit float, 65504,
-/// which `write_model` stores instead. `source` is that of the error.
+/// Returns an error if a coefficient of the model, or a reflectance of its facets, is above the largest 16-bit float,
+/// 65504, which `write_model` stores instead. `source` becomes `Error::source`.
 Result<Done> check_range(const Model& model, const std::string& source);
 
-/// The error where a model is expected, of a file that is a map.
+/// The error if a model is expected and the file is a map.
 Error map_error(const std::string& file);
 /// True if these are the bytes of a map.
 bool is_map_file(std::span<const std::byte> bytes);
-/// A texel with the mean coefficients of all, and a model of lobe j alone with the coefficient 1.
+/// A model with the mean of all texels' coefficients, and a model of lobe j alone with the coefficient 1.
 Model mean_texel(const TexelMap& map);
 Model lobe_alone(PmModel basis, std::size_t j);
 /// The map with every number rounded to a 16-bit float.
 TexelMap rounded(TexelMap map);
-/// The file of a map of these lobes and so many texels up to its coefficients, which follow as 16-bit floats [T,J,3],
-/// and then the errors [T].
+/// The beginning of the file of a map with these lobes and this number of texels T, up to its coefficients. They follow
+/// as 16-bit floats [T,J,3], and then the errors [T].
 std::vector<std::byte> beginning_of_map(const TexelMap& map, std::uint64_t texels);
 
 SRBF_END

@@ -11,8 +11,7 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// The views have cosθv in steps of a constant factor, from 1 to this. Those of the same cosine share so many
-/// directions of the light.
+/// The views' cosθv fall from 1 to this by a constant factor. Views of the same cosine share k_light_directions.
 constexpr double k_least_bounded_cosine = 1e-3;
 constexpr int k_bounded_views = 36, k_light_directions = 4096;
 /// In the end a model that is above this fraction of the limit is checked at more views by finer quadratures.
@@ -29,9 +28,9 @@ double most_albedo(std::span<const Rgb> f, std::span<const double> weight) {
 }
 
 PmModel lowered_at_views(const AlbedoBound& bound, PmModel model) {
-    constexpr double k_lowered = 1 / 1.002;  // of the limit; for rounding, and between the views of the bound
+    constexpr double k_lowered = 1 / 1.002;  // fraction of the limit, for rounding and for views between
     const auto lobes = std::size_t(model.lobes);
-    std::vector<std::vector<double>> albedo;  // of each lobe alone
+    std::vector<std::vector<double>> albedo;  // albedos of each lobe alone
     for (int j = 0; j < model.lobes; ++j) albedo.push_back(bound.albedos(evaluator(only_lobe(model, j))));
     std::vector<double> factor(lobes, 1), all(albedo[0].size());
     for (;;) {

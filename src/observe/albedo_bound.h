@@ -9,7 +9,7 @@
 
 namespace SRBF_NAMESPACE {
 
-/// The cost of a bound relative to that of all observed albedos together.
+/// The cost of a bound relative to the cost of all observed albedos together.
 inline constexpr double k_albedo_bound_cost = 8;
 
 /// The limit on the directional albedo of a channel that a fit of this form has by default; infinity: there is none.
@@ -17,8 +17,8 @@ constexpr double default_albedo_limit(PmForm form) {
     return is_reciprocal(form) ? 1 : std::numeric_limits<double>::infinity();
 }
 
-/// The largest directional albedo of a channel that was measured at views up to 80°. What a table has beyond is a
-/// quotient by a small cosine.
+/// The largest directional albedo of a channel that was measured at views up to 80°. At larger angles a table's values
+/// are quotients by small cosines.
 double most_measured_albedo(const Observations& observations);
 
 /// Limits the directional albedo of a fit at views from the normal to cosθv = 0.001, in every channel.
@@ -32,7 +32,7 @@ class AlbedoBound {
 
     /// The albedo of each channel at each view, as a fraction of the limit.
     std::vector<double> albedos(const Evaluate& model) const;
-    /// The largest of them.
+    /// The largest of these albedos.
     double excess(const Evaluate& model) const;
     /// Adds to the observations, as integrals with the limit as their value, the albedos that `model` exceeds, and
     /// raises the costs of earlier ones that it still exceeds. Returns their number.
@@ -51,9 +51,10 @@ class AlbedoBound {
     std::vector<View> views_;
 };
 
-/// `model` with an albedo within the limit, where bounds have not sufficed: at the view that exceeds it most, the lobe
-/// is lowered that has most of its own albedo there, and so on. One that rises at the horizon alone leaves the others
-/// as they are. An albedo near the limit is also checked between the views of the bound.
+/// `model` with lobes lowered until its albedo is within the limit, for a fit that still exceeds it. In the view with
+/// the largest albedo, the lobe that has the largest fraction of its own albedo there is lowered, and so on. So a lobe
+/// that rises only at the horizon does not darken the others. An albedo near the limit is also checked between the
+/// views.
 PmModel lowered_to(const AlbedoBound& bound, PmModel model);
 
 }  // namespace srbf

@@ -1,15 +1,14 @@
 // The weights of objective appearance, one text for numbers and for vectors of the processor, which each instruction
-// set compiles again. A host defines SRBF_FN, and for its `Real` the functions max, sqrt and pow(Real, double); it includes
-// srbf/elementary.h and srbf/metrics.h.
+// set compiles again. A host defines SRBF_FN, and for its `Real` the functions max, sqrt and pow(Real, double); it
+// includes srbf/elementary.h and srbf/metrics.h.
 
 /// The value that appears bright on a display exposed for a picture is this quantile of f cosθl, weighted by cosθv.
 constexpr double k_bright_quantile = 0.75;
 
-/// A sum of f cosθl and a positive number is at least this fraction of that number, whatever noise below 0 it
-/// contains.
+/// A sum of f cosθl and a positive number is at least this fraction of that number, whatever noise below 0 it contains.
 constexpr double k_least_left = 0.1;
 
-/// f cosθl + s, where s is that of `Objective::appearance`.
+/// f cosθl + s, with the s of `Objective::appearance`.
 template <typename Real> SRBF_FN Real above_dark(Real f, Real bright, Real cos_l) {
     using std::max;
     const Real s = Real(k_dark_share) * bright;
@@ -19,7 +18,7 @@ template <typename Real> SRBF_FN Real displayed_slope(Real f, Real bright, Real 
     using elementary::pow;
     return cos_l * pow(above_dark(f, bright, cos_l), -5.0 / 6) / Real(6);
 }
-/// The squared slope of f cosθl as displayed.
+/// The squared slope of the displayed f cosθl.
 template <typename Real> SRBF_FN Real display_weight(Real f, Real bright, Real cos_l, Real cos_v) {
     const Real slope = displayed_slope(f, bright, cos_l);
     return slope * slope * cos_v;

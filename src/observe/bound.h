@@ -1,4 +1,4 @@
-// Detection of fits that exceed the measurement between the observations.
+// Overshoots (docs/fitting.md): fits that exceed the measurement between the observations.
 #pragma once
 #include "observe/observations.h"
 #include "srbf/models/pm.h"
@@ -13,8 +13,8 @@ inline constexpr double k_excess_weight = 0.005;
 /// The cost grows by this factor where the fit still exceeds the bound after another round.
 inline constexpr double k_bound_growth = 4;
 
-/// cosθl cosθv, with each cosine at least that of the end of the grid: beyond it f itself may not exceed the value
-/// allowed there.
+/// cosθl cosθv, where each cosine is at least the cosine at the end of the grid. Beyond the grid f itself may not
+/// exceed the value that is allowed at its end.
 double bound_cosines(Vec3f wl, Vec3f wv);
 
 /// The largest measured f cosθl cosθv.

@@ -23,7 +23,7 @@ template <typename M> struct NumberVariables {
         for (std::size_t i = 0; i < all.size(); ++i) {
             const auto [member, c, least] = all[i];
             const double root = x[Eigen::Index(i)], share = member->colour ? root * root : root;
-            for (int k = c; k < member->count(); ++k)  // of a grey colour the first channel alone is a variable
+            for (int k = c; k < member->count(); ++k)  // a grey colour has one variable, its first channel
                 number(model, *member, k) = float(double(least) + share * double(member->most - least));
         }
         return model;

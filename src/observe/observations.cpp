@@ -107,11 +107,13 @@ Result<Done> validate(const Observations& observations, std::size_t parameters) 
         return refuse("observations", fmt::format("at least {} values", parameters), fmt::format("{}", 3 * fitted));
     for (std::size_t i = 0; i < observations.f.size(); ++i)
         if (!is_finite(observations.f[i]) || !(observations.weight[i] >= 0) || !std::isfinite(observations.weight[i]))
-            return Error{"fit", i, "observation", "finite values and a weight of at least 0", "another"};
+            return Error{"fit", i, "observation", "finite values and a weight of at least 0",
+                         fmt::format("{:g}, {:g}, {:g} and {:g}", observations.f[i].r, observations.f[i].g,
+                                     observations.f[i].b, observations.weight[i])};
     if (std::ranges::none_of(std::span(observations.weight).first(fitted), [](double w) { return w > 0; }))
         return refuse("observations", "a weight above 0", "none");
     if (!std::ranges::all_of(observations.spectrum, [](float f) { return std::isfinite(f); }))
-        return refuse("observations", "finite spectra", "others");
+        return refuse("observations", "finite spectra", "");
     return Done{};
 }
 
@@ -120,7 +122,7 @@ namespace {
 /// Cosines below this count as this.
 constexpr float k_least_weight_cosine = 1e-6f;
 
-/// Replaces `count` values of each pair by their mean with those of the exchanged pair.
+/// Replaces `count` values of each pair by their mean with the values of the exchanged pair.
 void average(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::size_t count, float* f,
              const float* exchanged) {
     for (std::size_t i = 0; i < wl.size(); ++i) {

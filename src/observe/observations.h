@@ -12,14 +12,14 @@ namespace SRBF_NAMESPACE {
 
 // Weights of pairs: the loss of a 100 % error everywhere under each term, as a fraction of the same loss under the
 // objective's own weights.
-inline constexpr double k_highlights = 1;  ///< appearance: cube roots, for values that a display clips
-inline constexpr double k_peaks = 0.3;     ///< appearance: squares
-/// Cosine: cube roots. Without it the diffuse base under a highlight has almost no weight.
+inline constexpr double k_highlights = 1;  ///< weight of cube roots in appearance, for values that a display clips
+inline constexpr double k_peaks = 0.3;     ///< weight of squares in appearance
+/// The weight of cube roots in objective cosine. Without it the diffuse base under a highlight has almost no weight.
 inline constexpr double k_diffuse_base = 5e-3;
 /// Cost of an error at all horizon pairs (beyond θmax) as large as the largest measured f cosθl cosθv.
 inline constexpr double k_horizon_importance = 1e-2;
 
-/// Pixels, as a multiple of the loss of the fit without them.
+/// The cost of pixels, as a multiple of the loss of the fit without them.
 inline constexpr double k_pixels = 3.5;
 
 /// A relative error of this size in every albedo costs as much as the fit's loss without albedos; the two values
@@ -44,8 +44,7 @@ inline constexpr double k_horizon_albedo = 1;
 /// View by view: an error of 1 % in the radiances under all four lights of a view costs 1e-4 times this value in
 /// each of three channels.
 inline constexpr double k_lights_of_view = 12;
-/// View by view: the cost per solid angle of directions between those of the matrix, relative to those of the
-/// matrix.
+/// View by view: the cost per solid angle of directions between the matrix's directions, relative to the latter.
 inline constexpr double k_between_views_directions = 0.1;
 
 // ---- Observations ----
@@ -58,8 +57,8 @@ struct ObservedIntegral {
     std::vector<Rgb> f;          ///< [1/sr]
     std::vector<double> weight;  ///< weights of the quadrature, ≥ 0
     bool in_search = true;       ///< also used by a search, which has few pairs
-    double cost = 1;             ///< cost of its relative error, compared with those of the other integrals
-    bool is_bound = false;       ///< a bound that a fit exceeded, which takes no share of the cost of the others
+    double cost = 1;             ///< cost of its relative error, compared with the costs of other integrals
+    bool is_bound = false;       ///< true for a bound that a fit exceeded, whose cost does not lower the others
     double least_unit = 0;       ///< its errors are relative to its luminance, or to this if this is larger
     /// a second lower limit of that unit, for noisy values; for every n-th direction it is divided by √n
     double noise_unit = 0;
@@ -90,8 +89,7 @@ struct Observations {
     std::vector<Vec3f> wl, wv;
     std::vector<Rgb> f;          ///< [1/sr], ≥ 0
     std::vector<double> weight;  ///< w ≥ 0; a fit minimises Σ w |f−f̂|², scaled so that Σ w |f|² = 1
-    /// The last `bound_pairs` pairs only bound a fit from above: they join the sum only if the fit exceeds them by
-    /// far.
+    /// The last `bound_pairs` pairs only bound a fit from above: they join the sum only if the fit exceeds them by far.
     std::size_t bound_pairs = 0;
     Objective objective = Objective::raw;     ///< the objective of the weights
     double typical = 0;                       ///< the value of f or f cosθl to which the weights are relative
@@ -133,8 +131,8 @@ double largest_square(const Observations& observations);
 /// The first `count` observations, without bound pairs, integrals and views: for searches and quick fits.
 Observations first_pairs(const Observations& observations, std::size_t count);
 
-/// Checks the input of a fit. Errors: fewer values than `parameters` of the model; values or weights that are not
-/// finite; weights that are negative or all 0.
+/// Checks the input of a fit. Returns an error if there are fewer values than `parameters` of the model, if values or
+/// weights are not finite, or if weights are negative or all 0.
 Result<Done> validate(const Observations& observations, std::size_t parameters);
 
 struct ObserveOptions {
@@ -142,17 +140,17 @@ struct ObserveOptions {
     double max_theta = 0;       ///< [rad], from 1° to 89.9°; 0: the objective's default
     std::size_t count = 65536;  ///< maximum number of pairs, 1024..2^24; an eighth of them are horizon pairs
     std::uint64_t seed = 0;
-    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
     /// The measurement, smoothed to its noise (see `smoothed`); null: use the measurement itself.
     Evaluate smoothed = nullptr;
-    double noise = 0;             ///< of a smoothed measurement, relative to its dark values: `largest_share`
-    bool horizon_albedos = true;  ///< for appearance; false for values that were not measured
+    double noise = 0;             ///< noise of a smoothed measurement relative to its dark values, `largest_share`
+    bool horizon_albedos = true;  ///< appearance: albedos near the horizon; false if values there were not measured
     /// Divides the sizes of the pool, of the bound pairs around the mirror direction and of the albedos'
-    /// quadratures. For values interpolated between a few samples, each of which needs a search.
+    /// quadratures. It is above 1 for values interpolated between samples, each of which needs a search.
     std::size_t fewer = 1;
 };
 
-/// θmax, or the objective's default if it is 0. Errors: not between 1° and `k_horizon_theta`.
+/// θmax, or the objective's default if it is 0. Returns an error if it is not between 1° and `k_horizon_theta`.
 Result<double> valid_theta(Objective objective, double max_theta);
 
 /// Chooses the observations of a table. `f` may be negative (see signed_value) or NaN.
@@ -162,9 +160,8 @@ Result<double> valid_theta(Objective objective, double max_theta);
 /// their weights make sums over them estimate the objective's integrals over both caps. A pair that is chosen
 /// several times becomes one observation.
 ///
-/// An eighth are *horizon pairs*: pairs between θmax and 89.9°, and of the grid up to that angle, with small
-/// weights proportional to (cosθl cosθv)². They keep the fit at the measurement's order of magnitude where it is
-/// not fitted.
+/// An eighth are *horizon pairs*: pairs between θmax and 89.9°, and of the grid up to that angle, with small weights
+/// proportional to (cosθl cosθv)². They keep the fit at the measurement's order of magnitude where it is not fitted.
 ///
 /// The *bound pairs* follow: the grid, which includes the edges of the hemisphere, 32,768 pairs around the mirror
 /// direction, and for appearance `brink_grid`.
@@ -176,14 +173,14 @@ Result<double> valid_theta(Objective objective, double max_theta);
 /// Appearance adds 100 views of a sphere under four extended and eleven directional white lights, none of which is
 /// one of `standard_lightings`.
 ///
-/// Errors: no pair has a value; all values are 0; cancelled.
+/// Returns an error if no pair has a value above 0, or if it is cancelled.
 Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, const ProgressToken& progress = {});
 
 /// The weight of one of `count` horizon pairs. An error of √`largest_square` at all of them costs `importance`.
 double horizon_weight(Vec3f wl, Vec3f wv, double importance, std::size_t count, double largest_square);
 
 /// Adds to `observations` the spectra that belong to their colours, with negative values set to 0. `clamped` then
-/// counts these instead of those of the colours.
+/// counts negative values of spectra instead of colours.
 void observe_spectra(Observations& observations, const Channels& spectra);
 
 /// Views at points of equal area over the disc of a sphere, under extended and directional lights, none of which is

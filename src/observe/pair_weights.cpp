@@ -23,7 +23,7 @@ double diffuse_weight(double f, double mean, double cos_l, double cos_v) {
 double cube_root_slope(double f, double mean, double) {
     return elementary::pow(std::max(f, 0.01 * mean), -2.0 / 3) / 3;
 }
-/// f cosθl as displayed.
+/// f cosθl as a display shows it.
 double displayed(double f, double bright, double cos_l) {
     return elementary::pow(above_dark(f, bright, cos_l), 1.0 / 6);
 }
@@ -83,9 +83,9 @@ constexpr auto k_objectives = [] {
     return objectives;
 }();
 
-/// For an objective whose weights hold for small errors: the factor that turns the weighted square into the actual
-/// error, Σ_c (g(f_c) − g(f̂_c))² / Σ_c (f_c−f̂_c)² over the square of g's slope. It is clamped to [1 / most,
-/// most]. 1 for the other objectives.
+/// The factor that turns the weighted square into the actual error, Σ_c (g(f_c) − g(f̂_c))² / Σ_c (f_c−f̂_c)² over the
+/// square of g's slope, for an objective whose weights hold for small errors only; otherwise 1. It is clamped to [1 /
+/// most, most].
 double large_error_weight(Objective objective, const Rgb& f, const Rgb& fitted, double typical, double cos_l,
                           double most) {
     const ObjectiveTraits& row = traits(objective);

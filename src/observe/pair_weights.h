@@ -27,11 +27,12 @@ struct ObjectiveTraits {
     /// for errors of any size.
     double (*response)(double f, double typical, double cos_l) = nullptr;
     double (*response_slope)(double f, double typical, double cos_l) = nullptr;
-    /// For values over decades, where a sample on the flank of a peak determines its width. Lobes may be narrower
+    /// True for values over decades, where a sample on the flank of a peak determines its width. Lobes may be narrower
     /// than the spacing of the samples, and between samples a fit follows microfacets (`FacetMixture`), not
     /// interpolated values.
     bool of_scatter = false;
-    /// relative to f cosθl, the radiance under a directional light; also observes extended lights
+    /// true if weights are relative to f cosθl, the radiance under a directional light; a fit then observes extended
+    /// lights too
     bool of_pictures = false;
 };
 const ObjectiveTraits& traits(Objective objective);

@@ -11,12 +11,10 @@ namespace SRBF_NAMESPACE {
 /// cosθv vanishes.
 inline constexpr double k_horizon_theta = 89.9 * k_degree;
 
-/// The golden angle π(3 − √5) [rad], rounded. Multiples of it spread evenly over all azimuths, whatever their
-/// number.
+/// The golden angle π(3 − √5) [rad], rounded. Multiples of it spread evenly over all azimuths, whatever their number.
 inline constexpr double k_golden_angle = 2.4;
 
-/// Number of bound pairs of a table around the mirror direction: enough to find a lobe between the nodes of the
-/// grid.
+/// Number of bound pairs of a table around the mirror direction: enough to find a lobe between the nodes of the grid.
 inline constexpr std::size_t k_mirror_pairs = 32768;
 
 struct DirectionPair {
@@ -56,7 +54,8 @@ class ViewMixture {
     double cos_max_;
 };
 
-/// The pairs at which a table is observed, by index. No value: a direction is below the horizon or outside the cap.
+/// The pairs at which a table is observed, by index. There is no value if a direction is below the horizon or outside
+/// the cap.
 class PairDraws {
   public:
     PairDraws(double theta_max, bool to_the_brink, std::size_t mirror_pairs, std::mt19937_64 random);

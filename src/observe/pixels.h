@@ -9,7 +9,7 @@ namespace SRBF_NAMESPACE {
 
 /// Columns of a block of pixels. Half the gradient of the error with respect to the colour is jacobianᵀ r.
 struct PixelSlopes {
-    /// of r with respect to the colour; |r|² changes as the error does
+    /// derivatives of r with respect to the colour; |r|² changes as the error does
     Aligned<float> jacobian = Aligned<float>(9 * k_block);
     Aligned<float> r = Aligned<float>(3 * k_block);
     /// The derivatives of one component with respect to the three channels, as columns.

@@ -10,8 +10,8 @@ namespace SRBF_NAMESPACE {
 struct TabulateOptions {
     int directions = 1536;                     ///< n, k_least_views..k_most_views
     int between = 512;                         ///< m ≥ 0, the number used by a fit; 0: only the raw matrix
-    Discretise discretise = Discretise::view;  ///< of the model to be fitted
-    int threads = 0;                           ///< 0: as many as the machine has; the result does not depend on it
+    Discretise discretise = Discretise::view;  ///< `SuModel::discretise` of the model to be fitted
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
 };
 
 /// A BRDF at all pairs of n directions (the raw data of Tsai 2009, 12 n² bytes), and at further directions for each
@@ -32,7 +32,8 @@ struct RawMatrix {
     std::uint64_t clamped = 0;     ///< number of negative channel values in the matrix, set to 0
 };
 
-/// Evaluates `f`, which may be negative (see signed_value) or NaN. Errors: options out of range; cancelled.
+/// Evaluates `f`, which may be negative (see signed_value) or NaN. Returns an error if options are out of range, or if
+/// it is cancelled.
 Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options = {}, const ProgressToken& progress = {});
 
 }  // namespace srbf

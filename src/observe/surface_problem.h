@@ -1,4 +1,4 @@
-// Fits of models of a few parameters that are not linear, by finite differences.
+// Fits of models with a few nonlinear parameters (GGX, OpenPBR), by finite differences.
 #pragma once
 #include <Eigen/Dense>
 
@@ -9,9 +9,9 @@
 
 namespace SRBF_NAMESPACE {
 
-/// The data of a fit, and its loss: the mean of ρ(ΔE_ITP) over pixels (see `Pixels`) plus Σ w |f − f̂|² over pairs, which
-/// are used if no pictures are observed or if they are added. The outputs of a model are the colours of pixels and the
-/// values at pairs.
+/// The data of a fit, and its loss: the mean of ρ(ΔE_ITP) over pixels (see `Pixels`) plus Σ w |f − f̂|² over pairs,
+/// which are used if no pictures are observed or if they are added. The outputs of a model are the colours of pixels
+/// and the values at pairs.
 class SurfaceData {
   public:
     using Outputs = Aligned<float>;  ///< blocks with a column for each channel
@@ -21,7 +21,7 @@ class SurfaceData {
     /// Adds the first n-th part of the pairs. For this model they are `share` times the loss of the pixels.
     void add_pairs(const Observations& observations, std::size_t n, const Evaluate& model, double share);
 
-    /// `f` is room for values of the model.
+    /// `f` is a buffer for values of the model.
     void compute_outputs(const Evaluate& model, std::vector<Rgb>& f, Outputs& outputs) const;
     double loss(const Outputs& outputs, PixelSlopes& slopes) const;
     /// JᵀJ and Jᵀr from the outputs and their derivatives by each variable.
@@ -42,7 +42,7 @@ class SurfaceData {
     void add_pixel_rows(const Outputs& outputs, const std::vector<Outputs>& derivatives, PixelSlopes& slopes,
                         Eigen::MatrixXd& H, Eigen::VectorXd& g) const;
 
-    std::vector<Vec3f> wl_, wv_;  ///< of pixels, then of pairs
+    std::vector<Vec3f> wl_, wv_;  ///< directions of pixels, then of pairs
     std::vector<Pixel> pixel_;
     std::vector<float> light_;
     Pixels pixels_;
@@ -51,8 +51,8 @@ class SurfaceData {
     std::vector<double> weight_;
 };
 
-/// The loss of a model as a function of variables x ≥ 0, for `levenberg_marquardt`. `Variables` has the members model(x),
-/// x_of(model) and most(), the upper bounds of x.
+/// The loss of a model as a function of variables x ≥ 0, for `levenberg_marquardt`. `Variables` has the members
+/// model(x), x_of(model) and most(), the upper bounds of x.
 template <typename Variables> class SurfaceProblem {
   public:
     SurfaceProblem(const SurfaceData& data, Variables variables)
@@ -93,7 +93,7 @@ template <typename Variables> class SurfaceProblem {
     Eigen::VectorXd most_;
     std::vector<Rgb> f_;
     SurfaceData::Outputs outputs_;
-    std::vector<SurfaceData::Outputs> derivatives_;  ///< of the outputs, by each variable
+    std::vector<SurfaceData::Outputs> derivatives_;  ///< derivatives of the outputs by each variable
     PixelSlopes slopes_;
 };
 
@@ -108,7 +108,7 @@ struct SurfaceRound {
     int steps;
 };
 
-/// Levenberg-Marquardt from the first candidates, which are then in order of their loss. `variables_of` returns the
+/// Improves the first candidates by Levenberg-Marquardt, and sorts them by their loss. `variables_of` returns the
 /// variables of a model.
 template <typename Model, typename VariablesOf>
 void lower(std::vector<SurfaceCandidate<Model>>& candidates, const SurfaceRound& round, const SurfaceData& data,

@@ -31,7 +31,7 @@ Rgb integrate_albedo(const Evaluate& brdf, Vec3d view) {
     Quadrature points = albedo_quadrature(view, k_pi / 2, k_albedo_points);
     std::vector<Vec3f> wv(points.w.size());
     for (std::size_t i = 0; i < wv.size(); ++i) {
-        const std::size_t turns = (i / 4 + i / 168) % k_azimuths;  // of four points at once, and others in each row
+        const std::size_t turns = (i / 4 + i / 168) % k_azimuths;  // four points share one
         wv[i] = quarter_turns(to_float(view), turns), points.w[i] = quarter_turns(points.w[i], turns);
     }
     std::vector<Rgb> f(wv.size());

@@ -47,7 +47,7 @@ Rgb value(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv) {
 }
 
 struct PreparedBsdf::Chances {
-    std::array<Part, 2> part;  ///< for reflection and transmission
+    std::array<Part, 2> part;  ///< the part of reflection, and the part of transmission
     std::array<float, 2> part_chance;
     std::array<Rgb, 2> beam;
     std::array<float, 2> beam_chance;

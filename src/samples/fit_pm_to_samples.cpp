@@ -9,7 +9,7 @@ namespace SRBF_NAMESPACE {
 Result<PmFit> fit_pm(const SampleObservations& observations, const PmFitOptions& options,
                      const ProgressToken& progress) {
     const StandardArithmetic mode;
-    // Each sample is observed both ways.
+    // Each sample is observed twice: as it is, and exchanged.
     const std::size_t parameters = parameter_count(options), values = 3 * observations.samples.f.size() / 2;
     if (values < parameters)
         return Error{"fit", {}, "samples", fmt::format("at least {} values", parameters), fmt::format("{}", values)};

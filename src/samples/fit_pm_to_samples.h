@@ -6,7 +6,8 @@
 namespace SRBF_NAMESPACE {
 
 /// Fits parameterized multivariate SRBFs to the gap-filled samples, and coefficients of wavelengths to the samples.
-/// Errors: those of `fit_pm`; fewer values of samples than parameters.
+/// Returns an error as the `fit_pm` of fit_pm.h does, and if the samples have fewer values than the model has
+/// parameters.
 Result<PmFit> fit_pm(const SampleObservations& observations, const PmFitOptions& options,
                      const ProgressToken& progress = {});
 

@@ -33,7 +33,7 @@ std::vector<int> groups_of(const ScatteredSamples& samples) {
     const double side = k_group_distance / (2 * std::sqrt(6.0)), reach = 1.001 * k_group_distance;
     std::map<std::array<int, 6>, std::uint32_t> cells;
     PointCloud<double, 6> points;        // the first of each cell
-    std::vector<std::uint32_t> cell_of;  // of the sample, and of that with light and viewer swapped
+    std::vector<std::uint32_t> cell_of;  // cells of the samples, and of the samples exchanged
     const auto add = [&](Vec3f wl, Vec3f wv) {
         const Point point = point_of(wl, wv, samples.isotropic);
         std::array<int, 6> cell;
@@ -66,7 +66,7 @@ std::vector<int> groups_of(const ScatteredSamples& samples) {
     return group_of;
 }
 
-/// Sorts the groups for the assignment of folds: those within θmax first, then by brightness.
+/// Sorts the groups for the assignment of folds: groups within θmax first, then by brightness.
 std::vector<std::size_t> sort_by_brightness(const ScatteredSamples& samples, const std::vector<int>& group_of,
                                             int groups, double max_theta) {
     const auto count = std::size_t(groups);

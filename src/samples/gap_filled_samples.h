@@ -6,15 +6,15 @@
 
 namespace SRBF_NAMESPACE {
 
-/// Samples with gaps filled. Lambert-GGX fits g_i to the samples within θmax, each also with light and viewer
-/// swapped, give an expected value. What they leave of the samples is interpolated and added. A GGX lobe is no
-/// narrower than the samples support, and is used only if it lowers the error at the samples by more than noise
-/// would: matte samples have none. With
-/// A = cosθl cosθv, e = the mean over i of ∛(g_i A) and the w_k of `ScatteredSamples`,
+/// Samples whose gaps are filled by the mean of up to three fits of Lambert and GGX, the *priors* g_i, plus
+/// interpolated residuals of the samples. The priors are fitted to the samples within θmax, each also with light and
+/// viewer exchanged. A GGX lobe is no narrower than the samples support, and is used only if it lowers the error at the
+/// samples by more than noise would: matte samples have none. With A = cosθl cosθv, the mean e of ∛(g_i A) over the
+/// priors, and for the nearest samples k the values f_k, A_k, e_k and the weights w_k of `ScatteredSamples`,
 ///   f A = (e + Σ_k w_k (∛(f_k A_k) − e_k) / Σ_k w_k)³ [1/sr].
 /// Each g_i A is clamped to `prior_limit`, or to the least Lambert term of the g_i times A if that is larger. f A is
 /// clamped to 0..b, where b is the least g_i A (in its largest channel), but at least `least_bound`: highlights exceed
-/// the samples only where all g_i do. At a sample, f is the sample's own value. Between distant samples it has the
+/// the samples only where all priors do. At a sample, f is the sample's own value. Between distant samples it has the
 /// highlight of microfacet models, where interpolation alone would leave a band or a gap.
 struct GapFilledSamples {
     /// The g_i: two lobes with the weights of `Objective::appearance`; one lobe with these weights; two lobes with
@@ -26,7 +26,7 @@ struct GapFilledSamples {
     double prior_limit = 0;  ///< 1.8 times the largest f A of the samples; with a single g 1.6 times, as for fits
 };
 /// `is_single`: use the first g alone, in a third of the time.
-/// Errors: no sample within max_theta [rad] that is not black.
+/// Returns an error if all samples within max_theta [rad] are black.
 Result<GapFilledSamples> fill_gaps(const ScatteredSamples& samples, double max_theta, int threads = 0,
                                    bool is_single = false);
 /// f [1/sr]; 0 below the horizon. Near the horizon the samples determine f A. Beyond 89.95° the divisor in

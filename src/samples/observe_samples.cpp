@@ -139,7 +139,7 @@ Observations observations_of(const ScatteredSamples& samples, std::span<const st
 
 namespace {
 
-/// Multiplies the weights by those of the observations' objective, and normalises them.
+/// Multiplies the weights by the weights of the observations' objective, and normalises them.
 void weigh_all(Observations& observations, int threads) {
     weigh(observations.objective, observations.typical, observations.wl, observations.wv, observations.f,
           observations.weight, threads);

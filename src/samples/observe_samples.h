@@ -13,8 +13,8 @@ struct ObserveSamplesOptions {
     std::uint64_t seed = 0;
     bool spectral = false;  ///< also observe the spectra of spectral samples, not only their colours
     bool fill_gaps = true;  ///< also observe the gap-filled samples, to which lobes are then fitted
-    int threads = 0;        ///< 0: as many as the machine has; the result does not depend on it
-    /// If not 0, a quick mode for fits of many files: only the samples filled by one g, at this many pairs and
+    int threads = 0;        ///< number of threads; 0: all of the machine. The result does not depend on it
+    /// If not 0, a quick mode for fits of many files: only the samples filled by one prior, at this many pairs and
     /// without views.
     std::size_t only_gap_filled = 0;
 };
@@ -28,22 +28,22 @@ std::vector<std::size_t> samples_within(const ScatteredSamples& samples, double 
 /// is measured, the narrowest lobe has fallen to 0.4 % of it at the next sample.
 double least_roughness(std::span<const Vec3f> wl, std::span<const Vec3f> wv);
 /// The given samples with weight 1 and negative values set to 0. `both_ways` also adds each sample with light and
-/// viewer swapped. `spectral` adds the spectra; their negative values are then counted instead of those of the
-/// colours.
+/// viewer exchanged. `spectral` adds the spectra; negative values are then counted in spectra instead of colours.
 Observations observations_of(const ScatteredSamples& samples, std::span<const std::size_t> which, bool both_ways,
                              bool spectral);
 
-/// Samples prepared for fits. Each sample is observed twice: as it is, and with light and viewer swapped.
+/// Samples prepared for fits. Each sample is observed twice: as it is, and with light and viewer exchanged.
 struct SampleObservations {
     ObserveSamplesOptions options;
-    Observations samples;  ///< within θmax
+    Observations samples;  ///< the samples within θmax
     /// The samples with gaps filled, in colours, observed like a table: by GGX, or by a `FacetMixture` for an objective
     /// of scatter. The samples themselves are added with the same total weight, and pairs near the horizon. Empty if
     /// gaps are not filled.
     Observations gap_filled_table;
-    std::optional<GapFilledSamples> gap_filled;  ///< those that were observed
+    std::optional<GapFilledSamples> gap_filled;  ///< the gap-filled samples that were observed
 };
-/// Errors: no sample within θmax, or all of them are 0; spectra requested of samples without spectra; cancelled.
+/// Observes samples. Returns an error if there is no sample above 0 within θmax, if spectra are requested of samples
+/// without spectra, or if it is cancelled.
 Result<SampleObservations> observe(const ScatteredSamples& samples, const ObserveSamplesOptions& options,
                                    const ProgressToken& progress = {});
 

@@ -9,10 +9,10 @@ SRBF_BEGIN
 
 /// The least weight of the cosine in a mixture.
 inline constexpr float k_least_cosine = 0.02f;
-/// The stretches that a mixture with an axis is chosen from.
+/// The stretches among which one is chosen for a mixture with an axis.
 inline constexpr std::array<float, 8> k_stretches{1, 1.4f, 2, 2.8f, 4, 5.6f, 8, 16};
 
-/// Facets as the kernel has them.
+/// Facets in the kernel's structure.
 inline Kernel<float>::Facets kernel_facets(const Facets& facets) { return {facets.xx, facets.xy, facets.yy}; }
 
 /// The tangent along which lobes are stretched for a viewer, not normalised.
@@ -20,7 +20,8 @@ inline Vec3f tangent(const MixtureProposal& proposal, const Vec3f& wv) {
     return proposal.has_axis() ? Vec3f(proposal.cosine, proposal.sine, 0) : wv;
 }
 
-/// The parameters of the lobes, as columns: cosines and lobes of light directions, then as many lobes of half vectors.
+/// The parameters of the lobes, as columns: cosines and lobes of light directions, then the same number of lobes of
+/// half vectors.
 struct LobeTable {
     static constexpr int k_count = MixtureProposal::k_lobes, k_per_kind = SRBF_FIRST_HALF_VECTOR_LOBE;
     static_assert(k_count == 2 * k_per_kind);
@@ -34,8 +35,8 @@ struct LobeTable {
 };
 const LobeTable& lobe_table();
 
-/// The numbers of a node: the weights of the lobes, and with facets theirs; stretch and power of half-vector lobes; then
-/// with facets their matrices.
+/// The numbers of a node: weights of the lobes and, if there are facets, of these; stretch and power of half-vector
+/// lobes; then the matrices of facets.
 inline constexpr std::size_t k_shape_numbers = 2, k_node_numbers = MixtureProposal::k_components + k_shape_numbers + 6;
 inline std::vector<float> numbers_of(const MixtureProposal& proposal, std::size_t node, bool has_facets) {
     std::vector<float> numbers(proposal.weight(node).begin(), proposal.weight(node).end());

@@ -87,7 +87,7 @@ class NodeSearch {
     int stretch_step(int i) const {
         return start_.has_axis() ? 0 : std::clamp(i, k_least_stretch_step, k_most_stretch_step);
     }
-    /// The moment of a shape, summed over the views, from weights that begin with those of the best shape.
+    /// The moment of a shape, summed over the views. The weights begin with the weights of the best shape.
     double moment(const ShapeSteps& steps) {
         double& value = known_[steps];
         if (value > 0) return value;
@@ -120,7 +120,7 @@ class NodeSearch {
     std::vector<Vec3f> views_;
     SamplingPoints points_;
     std::map<ShapeSteps, double> known_;
-    std::vector<float> weight_;  // of the least moment
+    std::vector<float> weight_;  // weights of the least moment
     double least_ = std::numeric_limits<double>::infinity();
     ShapeSteps best_{};
 };

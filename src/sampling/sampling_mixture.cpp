@@ -82,7 +82,7 @@ HWY_INLINE float facet_weight(const MixtureProposal& proposal, const NodePositio
 // A mixture for one view direction, with its lobes in the lanes of consecutive vectors.
 struct MixtureAtView {
     using F = Formulas<LobeLanes, PmModel>;
-    static constexpr int k_vectors = LobeTable::k_per_kind / int(sizeof(LobeLanes) / sizeof(float));  // of each kind
+    static constexpr int k_vectors = LobeTable::k_per_kind / int(sizeof(LobeLanes) / sizeof(float));  // vectors a kind
     const LobeTable& table;
     Vec3<LobeLanes> viewer, specular;
     typename F::Stretch map;

@@ -26,7 +26,7 @@ struct SamplingPoints {
     std::array<Aligned<float>, 3> wl, wv;
     Aligned<float> weight;  ///< (f cosθl)² times the point's solid angle, relative to the squared albedo
     std::vector<Aligned<float>> density;  ///< components × points
-    std::optional<ProposalShape> shape;   ///< of the densities, once they are computed
+    std::optional<ProposalShape> shape;   ///< shape of the lobes whose densities were computed; none: not yet
 
     std::size_t size() const { return weight.size(); }
     void add(const Vec3f& l, const Vec3f& v, float point_weight) {
@@ -42,8 +42,8 @@ struct SamplingPoints {
     }
 };
 
-/// Computes the densities of MixtureProposal's components with this shape; those that are known are kept. The points
-/// must be padded.
+/// Computes the densities of MixtureProposal's components with this shape; densities that are known are kept. The
+/// points must be padded.
 void set_densities(SamplingPoints& points, const ProposalShape& shape);
 /// slope_k = Σ_i weight_i density_ki / pdf_i², where pdf_i = Σ_k lobe_weight_k density_ki. Returns Σ_i weight_i /
 /// pdf_i. The points must be padded.

@@ -20,7 +20,7 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// The subject of a material.
+/// Loads the subject of a material, which must have a reflection that closures can be fitted to.
 Result<Subject> load_reflection(const std::string& file, const std::string& to) {
     auto subject = load_subject(file);
     if (!subject) return subject;

@@ -161,7 +161,7 @@ Result<Done> add_functions(std::string_view text, const std::string& owner, Defi
 /// The models as functions of Radiance's expression language, the text of a `.cal` file. Each model has the function
 /// NAME(ix,iy,iz,ox,oy,oz), the luminance of f [1/sr] for vectors to the light and to the viewer, and NAME_R, NAME_G
 /// and NAME_B, its channels. Beams are left out. Positive z is the front of a BRDF. For a BSDF it is the back, with x
-/// mirrored, as in WINDOW's XML. Errors: a view-by-view model, a surface of OpenPBR.
+/// mirrored, as in WINDOW's XML. Returns an error for a view-by-view model or a surface of OpenPBR.
 Result<std::string> radiance_text(std::span<const NamedModel> models, std::string_view, int) {
     std::string text =
         "{ BSDFs by srbf, in 1/sr without the cosine, for bsdf2ttree and other programs of Radiance.\n"

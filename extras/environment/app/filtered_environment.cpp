@@ -54,7 +54,7 @@ std::size_t index_of(int side, std::size_t face, int x, int y) {
 class Pyramid {
   public:
     Pyramid(const Environment& source, int side, int threads) {
-        Image map = source.texels();  // in latitude and longitude; a face is a quarter of its width
+        Image map = source.texels();  // latitude and longitude; a face is a quarter of its width
         while (map.width >= 8 * side && map.height > 1) map = halved(map);
         const Environment environment(std::move(map));
         levels_.push_back({side, std::vector<Rgb>(std::size_t(6 * side * side))});
@@ -196,8 +196,8 @@ Rgb FilteredEnvironment::at(Vec3f w, float roughness) const {
 }
 
 CubeFile to_dds(const FilteredEnvironment& environment) {
-    // DDS_HEADER with its DDS_PIXELFORMAT, of Microsoft's "Programming Guide for DDS": D3DFMT_A16B16G16R16F replaces the
-    // four characters.
+    // DDS_HEADER with its DDS_PIXELFORMAT, of Microsoft's "Programming Guide for DDS": D3DFMT_A16B16G16R16F replaces
+    // the four characters.
     constexpr std::uint32_t k_caps_height_width_pitch_format_levels = 0x1 | 0x2 | 0x4 | 0x8 | 0x1000 | 0x20000,
                             k_four_characters = 0x4, k_halves = 113, k_complex_texture_mipmap = 0x8 | 0x1000 | 0x400000,
                             k_cube_of_all_faces = 0x200 | 0xfc00;

@@ -155,7 +155,7 @@ constexpr const char* k_texel_of_host =
 std::map<std::string, std::string> light_entries(const EnvironmentCode& code, CodeLanguage language) {
     std::map<std::string, std::string> names;
     const auto add = [&](const char* name) { names.emplace(name, name); };
-    const bool can_read_textures = syntax::reads_buffers(language);  // of the host, in a function
+    const bool can_read_textures = syntax::reads_buffers(language);  // a function may read the host's textures
     if (code.environment || code.area) add("environment_lobe");
     if (code.views) add("lobes_about");
     if (code.draws) add("environment_draw");

@@ -10,7 +10,7 @@ std::string capitalised(const std::string& name);
 
 void replace_all(std::string& text, std::string_view place, std::string_view replacement);
 
-/// Errors: a view-by-view model or a BSDF, which are no material by themselves.
+/// Returns an error for a view-by-view model and for a BSDF, which are no material by themselves.
 Result<Done> check_materials(std::span<const NamedModel> models);
 
 }  // namespace srbf

@@ -25,7 +25,7 @@ std::string module_of(const std::string& functions, std::string_view imports, st
     text += classes;
     return text;
 }
-/// Macros that name what the module supplies to the functions of a model.
+/// Macros that name the functions and data that the module supplies to a model.
 std::string defines_of(const std::string& name) {
     return fmt::format("#define {0}_radiance measured_radiance\n#define {0}_reflected measured_reflected\n", name);
 }
@@ -75,7 +75,7 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
                           .colours = true,
                           .unrolled = true});
     if (!code) return code.error();
-    std::string functions, texels;  // their environment is that of three
+    std::string functions, texels;  // they use the environment of three.js
     std::string classes;
     DefinedNames defined;
     for (const char* type : {"MeasuredMaterial", "BlendMaterial"}) (void)defined.add(type, "the module");

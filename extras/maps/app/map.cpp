@@ -18,7 +18,7 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// Number of values in memory, and of texels that are solved together, at least 64.
+/// Number of values in memory. It determines the number of texels that are solved together, at least 64.
 constexpr std::size_t k_values_of_part = std::size_t(1) << 22;
 std::size_t texels_of_part(std::size_t values) {
     constexpr std::size_t multiple = 64;
@@ -37,7 +37,7 @@ struct MapCommand {
 
 /// A map whose texels are solved in parts while it is written.
 struct MapInParts {
-    TexelMap lobes;  ///< with its width and provenance
+    TexelMap lobes;  ///< the map without coefficients, with width and provenance
     std::size_t texels = 0, part = 0;
     std::function<Result<TexelCoefficients>(std::size_t first, std::size_t count)> solve;
 };
@@ -52,7 +52,7 @@ std::vector<std::byte> bytes_of(const std::vector<std::uint16_t>& halves) {
     return {bytes.begin(), bytes.end()};
 }
 
-/// Writes the map. Of the texels one part is in memory, and the errors of all.
+/// Writes the map. One part of the texels is in memory, and the errors of all.
 Result<Total> write_in_parts(const std::string& path, const MapInParts& map) {
     Total total;
     ProgressLine line;

@@ -17,7 +17,7 @@ constexpr std::size_t k_spread_texels = 1024, k_most_values = std::size_t(1) << 
 /// pair in all but the brightest k_brightest of the candidates.
 constexpr double k_brightest = 0.02, k_most_of_others = 1000;
 
-/// Makes values of the candidates unknown that no other texel is near.
+/// Sets values of the candidates that no other texel is near to NaN.
 void leave_out_outliers(const SharedPairs& pairs, std::span<Rgb> f) {
     const std::size_t M = pairs.wl.size();
     const auto value = [&](std::size_t i) {
@@ -32,7 +32,8 @@ void leave_out_outliers(const SharedPairs& pairs, std::span<Rgb> f) {
         if (value(i) > most) f[i].r = std::numeric_limits<float>::quiet_NaN();
 }
 
-/// The values of texels that span the set: each is the one farthest from those chosen before, by cube roots.
+/// The values of texels that span the set. Each next texel is the one whose cube roots differ most from all texels that
+/// were chosen before.
 std::vector<Rgb> spanning_texels(std::span<const Rgb> f, std::size_t pairs, std::size_t most) {
     const std::size_t count = f.size() / pairs;
     const auto distance = [&](std::size_t a, std::size_t b) {
@@ -94,7 +95,7 @@ Result<Texels> Texels::open(const std::string& path, std::size_t pairs) {
 }
 
 Result<Done> Texels::read(std::size_t first, std::span<Rgb> f) const {
-    // Grey numbers are read into the end of the colours, in front of which they are spread.
+    // Grey numbers are read into the end of the array of colours, and are then spread from its beginning.
     const auto numbers = std::span(&f[0].r, 3 * f.size()).last(f.size() * channels_);
     if (const auto read = file_.read(first * pairs_ * channels_, numbers); !read) return read;
     for (std::size_t i = 0; channels_ == 1 && i < f.size(); ++i) {

@@ -5,8 +5,8 @@
 
 namespace SRBF_NAMESPACE {
 
-/// The numbers of a picture as they are stored: of .png and .jpg 0 to 1, without a conversion of colours; of .exr limited to
-/// this range. Errors: another file, more than 8192 pixels a side.
+/// The numbers of a picture as the file stores them, without a conversion of colours: 0 to 1 in .png and .jpg, and
+/// clamped to this range in .exr. Returns an error for any other file, and for more than 8192 pixels on a side.
 Result<Image> load_mask(const std::string& path);
 
 }  // namespace srbf

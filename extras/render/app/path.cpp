@@ -26,7 +26,7 @@ PreparedBsdf prepare_by_cosine(const Subject& subject) {
     return std::visit([](const auto& content) { return prepare(content, CosineProposal{}); }, subject.content);
 }
 
-/// Errors: a map or a mask that cannot be drawn with these options.
+/// Returns an error if a map or a mask cannot be drawn with these options.
 Result<Done> check_pictured(const Pictured& pictured, const Mesh& mesh, const PathCommand& command) {
     if (std::holds_alternative<const Subject*>(pictured)) return Done{};
     const char* const kind = std::holds_alternative<const TexelMap*>(pictured) ? "a map" : "a mask";
@@ -43,10 +43,10 @@ Result<Done> check_pictured(const Pictured& pictured, const Mesh& mesh, const Pa
 /// up. The wall with the opening is at z = 0, the room at z < 0.
 struct Room {
     Mesh shade;     ///< a rectangle, its front outwards, to +z
-    Mesh walls;     ///< with floor and ceiling, visible from inside, without the opening
+    Mesh walls;     ///< walls with an opening, floor and ceiling, visible from inside
     Mesh floor;     ///< above the floor of the walls
-    Mesh ball;      ///< on the floor
-    Camera camera;  ///< in the room, towards the shade
+    Mesh ball;      ///< a ball that lies on the floor
+    Camera camera;  ///< a camera in the room that looks at the shade
 };
 /// A rectangle with the corners `corner`, + s, + s + t and + t; its front faces s × t.
 void add_rectangle(Mesh& mesh, Vec3f corner, Vec3f s, Vec3f t) {
@@ -59,7 +59,7 @@ void add_rectangle(Mesh& mesh, Vec3f corner, Vec3f s, Vec3f t) {
 }
 
 constexpr float k_width = 4, k_height = 2.6f, k_depth = 5;
-constexpr float k_left = -1.4f, k_right = 1.4f, k_sill = 0.7f, k_top = 2.3f;  // of the opening
+constexpr float k_left = -1.4f, k_right = 1.4f, k_sill = 0.7f, k_top = 2.3f;  // sides of the opening [m]
 constexpr float k_radius = 0.4f;
 
 Room room() {

@@ -17,8 +17,8 @@ struct MaskedSubjects {
 using Pictured = std::variant<const Subject*, const TexelMap*, const MaskedSubjects*>;
 
 struct PathCommand {
-    /// Empty: not given. The default environment is the renderer's; the default lights are three if `environment`
-    /// is none.
+    /// Texts of options, empty if not given. The default environment is the renderer's; by default there are three
+    /// lights if `environment` is none.
     std::string environment, lights, draw = "brdf", scene_name = "object";
     int samples = 0;  ///< 0: not given
     int bounces = 8, threads = 0;
@@ -30,12 +30,12 @@ struct PathCommand {
     std::vector<AllowedWhen> add_options(const Subcommand& sub, const std::vector<Option>& about_mesh,
                                          std::function<bool()> is_path);
     /// Renders the scene with each of the subjects under the lights of `lights`. `progress` receives the completed
-    /// fraction of all pictures. Errors: a map or a mask for a mesh without texture coordinates.
+    /// fraction of all pictures. Returns an error if a map or a mask is on a mesh without texture coordinates.
     Result<std::vector<PathPicture>> render(const Scene& scene, std::span<const Pictured> subjects, int width,
                                             int height, const std::function<void(double)>& progress = {}) const;
 };
 
-/// Samples per pixel under an environment, by default.
+/// The default number of samples per pixel under an environment.
 inline constexpr int k_samples = 64;
 /// The environment with this name or in this file; no value for "none". Reports texels that count as 0 on standard
 /// error.

@@ -26,7 +26,7 @@ namespace {
 struct RenderCommand {
     std::vector<std::string> files;
     std::string renderer = "path", mesh = "ball", up = "y", mask, output, compare, json;
-    int width = 640, height = 480;  ///< of each picture
+    int width = 640, height = 480;  ///< size of a picture [pixels]
     bool aov = false;
     PathCommand path;
 
@@ -225,7 +225,7 @@ int RenderCommand::run() const {
     return status_of(write_pictures(*pictures, reference, captions, *this));
 }
 
-/// "WxH", each from 1 to `k_most_pixels`.
+/// The largest width and height in "WxH".
 constexpr int k_most_pixels = 8192;
 Check size_in_pixels(int& width, int& height) {
     return [&](std::string& text) -> std::string {

@@ -222,7 +222,7 @@ TEST(Ply, BadFilesAreErrors) {
     EXPECT_CONTAINS(error_after(ascii, "float y", "single y"), "line 6: type of a property");
     EXPECT_CONTAINS(error_after(ascii, "ascii", "ebcdic"), "line 2: format");
     EXPECT_CONTAINS(error_after(ascii, "end_header", "end"), "no end_header");
-    EXPECT_CONTAINS(error_after(ascii, "element face", "element vertex"), "one vertex, found another");
+    EXPECT_CONTAINS(error_after(ascii, "element face", "element vertex"), "one vertex, found a second one");
     EXPECT_CONTAINS(error_after(ascii, "uchar int", "float int"), "type of a list's length");
     EXPECT_CONTAINS(error_after(ascii, "\n3 1 2 3", "\n3000000000 1 2 3"), "length of a list of face 4");
     for (const std::string& file : {ascii, little})

@@ -12,13 +12,13 @@ SRBF_BEGIN
 /// A term κ_jk x_k(wl, wv) of the exponent of lobe j. The feature x_k is line k of `pm_further_features` in
 /// kernel.glsl.
 struct ExponentTerm {
-    std::string_view symbol;      ///< of κ_jk, for output
-    std::string_view factor;      ///< e^{κ_jk x_k}, for output
-    std::string_view definition;  ///< of a symbol in the factor, for output; may be empty
+    std::string_view symbol;      ///< symbol of κ_jk in output
+    std::string_view factor;      ///< e^{κ_jk x_k} in output
+    std::string_view definition;  ///< definition of a symbol of the factor in output; may be empty
     double least, most;           ///< bounds of κ_jk in a fit; if `least` is 0, κ_jk ≥ 0 in files too
-    double least_if_reciprocal;   ///< of a reciprocal form: steeper lobes have ridges at views beyond what is observed
+    double least_if_reciprocal;   ///< least κ_jk of a reciprocal form: steeper lobes have ridges beyond θmax
     bool is_slope;                ///< a fit to samples ε [rad] apart also bounds |κ_jk| by 1/ε
-    bool is_sharp;  ///< initial κ_jk like a bandwidth: 0, 0.3 to 6e4 or -100 to -0.3; otherwise 0, ±0.1 to ±10
+    bool is_sharp;                ///< a fit draws initial κ_jk from the wide range of bandwidths
 };
 inline constexpr std::array<ExponentTerm, 4> k_terms{{
     {"κ", "(cosθl cosθv)^κ", "", 0, 64, 0, false, false},
@@ -50,7 +50,7 @@ inline constexpr std::array<FormRow, 4> k_form_rows{{
     {PmForm::extended, "extended", "extended", 4, false, 8, 4, "also powers of cosines and three further factors"},
     {PmForm::reciprocal, "reciprocal", "reciprocal", 4, true, 9, 3, "also the mean with light and viewer exchanged"},
 }};
-/// The form of a fit by default, of a table.
+/// The default form of a fit to a table.
 inline constexpr PmForm k_default_form = PmForm::reciprocal;
 inline constexpr auto k_forms = [] {
     std::array<PmForm, k_form_rows.size()> forms{};
@@ -73,7 +73,7 @@ constexpr int features(PmForm form) { return int(row_of(form).terms); }
 constexpr bool is_reciprocal(PmForm form) { return row_of(form).is_reciprocal; }
 constexpr std::string_view name(PmForm form) { return row_of(form).name; }
 constexpr std::string_view stored_name(PmForm form) { return row_of(form).stored; }
-/// Accepts either name.
+/// The form with this name, the one in text or the stored one.
 constexpr std::optional<PmForm> form_named(std::string_view text) {
     for (const FormRow& row : k_form_rows)
         if (row.name == text || row.stored == text) return row.form;

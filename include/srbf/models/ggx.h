@@ -26,7 +26,7 @@ struct GgxModel {
 inline constexpr int k_most_ggx_lobes = 2;
 inline constexpr float k_least_roughness = 1.f / 1024;
 
-/// A request for its fit.
+/// A request for the fit of Lambert and GGX.
 struct GgxRequest {
     using Model = GgxModel;
     static constexpr std::string_view k_name = "ggx", k_about = "Lambert and GGX, the baseline";

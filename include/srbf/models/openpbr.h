@@ -16,25 +16,25 @@ struct OpenPbrModel {
     float base_weight = 1;
     Rgb base_color{0.8f, 0.8f, 0.8f};  ///< albedo of the diffuse part, F0 of the metal
     float base_metalness = 0;
-    float base_diffuse_roughness = 0;  ///< of EON
+    float base_diffuse_roughness = 0;  ///< roughness of EON, the diffuse reflection
     float specular_weight = 1;         ///< scales F0 of the dielectric, and the metal
-    Rgb specular_color{1, 1, 1};       ///< of the dielectric; of the metal the tint at 82°
+    Rgb specular_color{1, 1, 1};       ///< colour of the dielectric's reflection; tint of the metal at 82°
     float specular_roughness = 0.3f;   ///< the root of α
     float specular_ior = 1.5f;
     float coat_weight = 0;
-    Rgb coat_color{1, 1, 1};  ///< passes twice through the coat
+    Rgb coat_color{1, 1, 1};  ///< colour of light that passes twice through the coat
     float coat_roughness = 0;
     float coat_ior = 1.6f;
     float coat_darkening = 1;  ///< share of the light lost between base and coat
     float fuzz_weight = 0;
     Rgb fuzz_color{1, 1, 1};
     float fuzz_roughness = 0.5f;
-    float thin_film_weight = 0;        ///< of the base that the film covers; see `film_reflectance` of kernel.glsl
+    float thin_film_weight = 0;  ///< fraction of the base that the film covers; see `film_reflectance` of kernel.glsl
     float thin_film_thickness = 0.5f;  ///< [1e-6 m]
     float thin_film_ior = 1.4f;
     float specular_roughness_anisotropy = 0;  ///< see `openpbr_anisotropic_value` of kernel.glsl
-    float specular_rotation = 0;              ///< of the tangent, along which facets are rougher, from x to y [turns]
-    bool is_exchanged = false;                ///< light and viewer: ρ(wl, wv) is the formula's of (wv, wl)
+    float specular_rotation = 0;  ///< angle from x to y of the tangent, along which facets are rougher [turns]
+    bool is_exchanged = false;    ///< true if light and viewer are exchanged: ρ(wl, wv) is the formula at (wv, wl)
     friend bool operator==(const OpenPbrModel&, const OpenPbrModel&) = default;
 };
 
@@ -45,12 +45,12 @@ enum class OpenPbrSurfaceKind {
     principled,  ///< Blender's Principled BSDF
 };
 
-/// A request for its fit.
+/// A request for the fit of a surface.
 struct OpenPbrRequest {
     using Model = OpenPbrModel;
     static constexpr std::string_view k_name = "openpbr";
     static constexpr std::string_view k_about = "a surface by the parameters of OpenPBR, which renderers share";
-    OpenPbrSurfaceKind surface = {};  ///< whose parameters are fitted; others keep their defaults
+    OpenPbrSurfaceKind surface = {};  ///< the surface whose parameters are fitted; others keep their defaults
 };
 
 /// ρ(wl, wv) in single precision; 0 below the horizon.

@@ -19,19 +19,19 @@ struct Parameterization {
 ///   g(wl,wv) = Σ_j β_j e^{s_j} Π_n G(ψ_n(wl,wv)·ξ_jn | λ_jn) Π_k e^{κ_jk x_k(wl,wv)} [1/sr],
 ///   ρ(wl,wv) = g(wl,wv), or (g(wl,wv) + g(wv,wl)) / 2 in the form reciprocal.
 /// Evaluated by `pm_value` of kernel.glsl. The members hold the symbols of the formula; `write_model` describes the
-/// file encoding. A spectral model has β_j at C wavelengths; its R, G, B follow from these (brdf/colour.h). One of them may
-/// be negative; ρ is 0 where the sum is.
+/// file encoding. A spectral model has β_j at C wavelengths; its R, G, B follow from these (brdf/colour.h). One of them
+/// may be negative; ρ is 0 where the sum is.
 struct PmModel {
     PmForm form = PmForm::gaussian;
-    bool axial = true;              ///< every centre is +z or −z, for isotropic data
-    int lobes = 0;                  ///< J, 1..k_most_lobes
-    int variates = 0;               ///< N, 1..k_most_variates
-    std::vector<Rgb> coefficient;   ///< J: β_j ≥ 0; of a spectral model the colours of all its spectra
-    std::vector<float> wavelength;  ///< C [nm], increasing, of a spectral model; otherwise empty
-    std::vector<float> spectrum;    ///< J × C: β_j ≥ 0 at the wavelengths
-    std::vector<float> log_scale;   ///< J: s_j; stored only if one of them is not 0
-    std::vector<Vec3f> centre;      ///< J × N: ξ_jn, unit vectors
-    std::vector<float> bandwidth;   ///< J × N: λ_jn ≥ 0
+    bool axial = true;                               ///< every centre is +z or −z, for isotropic data
+    int lobes = 0;                                   ///< J, 1..k_most_lobes
+    int variates = 0;                                ///< N, 1..k_most_variates
+    std::vector<Rgb> coefficient;                    ///< J: β_j ≥ 0; in a spectral model the colours of its spectra
+    std::vector<float> wavelength;                   ///< C [nm], increasing, of a spectral model; otherwise empty
+    std::vector<float> spectrum;                     ///< J × C: β_j ≥ 0 at the wavelengths
+    std::vector<float> log_scale;                    ///< J: s_j; stored only if one of them is not 0
+    std::vector<Vec3f> centre;                       ///< J × N: ξ_jn, unit vectors
+    std::vector<float> bandwidth;                    ///< J × N: λ_jn ≥ 0
     std::vector<Parameterization> parameterization;  ///< N
     std::vector<float> exponent;                     ///< J × F: κ_jk
     friend bool operator==(const PmModel&, const PmModel&) = default;

@@ -12,17 +12,17 @@ SRBF_BEGIN
 /// Which of the two directions is sampled; the lobes are functions of the other one.
 enum class Discretise { view, light };
 
-/// How the function at a view direction between the sampled ones is interpolated.
+/// The sampled views from which the function at another view direction is interpolated.
 enum class SuInterpolation {
-    /// from the two views adjacent in elevation, rotated to the azimuth of the view direction: for isotropic BRDFs
+    /// the two views adjacent in elevation, rotated to the azimuth of the view direction: for isotropic BRDFs
     rotated,
-    plain,  ///< from the K nearest views, not rotated (Tsai 2009)
+    plain,  ///< the K nearest views, not rotated (Tsai 2009)
 };
 
 /// The eight sampled views nearest to a direction, the nearest first.
 using NearestViews = std::array<std::uint16_t, 8>;
 
-/// How a square texture holds a function of direction.
+/// The layout of a function of direction in a square texture.
 enum class DirectionMap {
     cube,       ///< six faces +x, −x, +y, −y, +z, −z, each laid out as OpenGL's
     parabolic,  ///< one square; its point (s, t) in [−1, 1]² is the direction (2s, 2t, 1−s²−t²) / (1+s²+t²)
@@ -32,14 +32,14 @@ enum class DirectionMap {
 struct IndexTexture {
     DirectionMap map = DirectionMap::cube;
     int size = 0;                      ///< texels along a side
-    std::vector<NearestViews> texels;  ///< of the directions at the texels' centres
+    std::vector<NearestViews> texels;  ///< nearest views of the direction at each texel's centre
     friend bool operator==(const IndexTexture&, const IndexTexture&) = default;
 };
 
 /// Scattered univariate SRBFs (Tsai 2009, section 7.2): for each sampled view direction wv_i
 ///   ρ(wl, wv_i) = Σ_j β_ij G(wl·ξ_ij | λ_ij) [1/sr],
-/// and between them interpolation. Evaluated by the su_ functions of kernel.glsl. With `discretise` light, wl and wv are
-/// exchanged. docs/formats.md describes the file encoding.
+/// and between them interpolation. Evaluated by the su_ functions of kernel.glsl. With `discretise` light, wl and wv
+/// are exchanged. docs/formats.md describes the file encoding.
 struct SuModel {
     Discretise discretise = Discretise::view;
     SuInterpolation interpolation = SuInterpolation::rotated;
@@ -53,7 +53,7 @@ struct SuModel {
     friend bool operator==(const SuModel&, const SuModel&) = default;
 };
 inline constexpr int k_most_view_lobes = 64;
-/// of the eight in the index; the weights need the distance of the next one
+/// the largest K: of the eight views in the index, the weights need the distance of the last one
 inline constexpr int k_most_neighbours = 7;
 inline constexpr int k_least_views = 8, k_most_views = 8192;
 

@@ -20,7 +20,7 @@ bool is_one_of(std::string_view word, std::string_view words) {
 /// The name of a column for comparison: letters and digits in lower case, without the unit.
 struct ColumnName {
     std::string key;
-    std::optional<AngleUnit> unit;  ///< of an angle
+    std::optional<AngleUnit> unit;  ///< unit of an angle, if the name has it
     std::string text;               ///< the unit as it is written
 };
 
@@ -147,7 +147,7 @@ struct ValueNames {
     std::string_view kinds;
     bool is_lesser = false;  ///< beside other values, a stage's position, or a part of the light
 };
-/// In order of preference.
+/// The names of values in the order of preference.
 constexpr ValueNames k_values[] = {
     {Values::rgb, Quantity::bsdf, "r g b,red green blue,brdfr brdfg brdfb,fr fg fb"},
     {Values::grey, Quantity::bsdf, "value,brdf,bsdf,btdf,f,fr"},
@@ -283,8 +283,8 @@ struct ColumnAssignment {
         if (!angle[2].exists() && !angle[k_aspecular].exists()) lacks(2);
         if (angle[1].exists() && !angle[3].exists() && !columns.both) lacks(3);
     }
-    /// Assigns the only kind of values, or that of the first quantity where others have the same values in another one.
-    /// Errors: there is none, or two of one quantity; a unit that is not known.
+    /// Assigns the only kind of values, or the first quantity if others state the same values as another quantity.
+    /// Refuses columns if there is none, if two have one quantity, or if a unit is not known.
     void assign_values() {
         struct Kind {
             Values values;
@@ -332,7 +332,7 @@ struct ColumnAssignment {
         if (columns.values != Values::spectrum)
             columns.wavelengths.clear();
         else if (!are_wavelengths(columns.wavelengths))
-            refuse("columns of increasing wavelengths, from 100 nm up", "others");
+            refuse("columns of increasing wavelengths, from 100 nm up", "");
         const std::string& first = keys[columns.value[0]].key;
         has_other_names |= kinds.size() > 1 || (columns.values != Values::spectrum && !is_one_of(first, "r x value"));
         for (const std::size_t i : columns.value) {

@@ -11,14 +11,14 @@ namespace SRBF_NAMESPACE {
 struct AngleColumn {
     std::string name;  ///< the name in the file; empty if the file lacks the angle
     std::size_t column = k_absent;
-    double constant = 0;                 ///< in `unit`, if there is no column
+    double constant = 0;                 ///< the angle in `unit`, if there is no column
     std::optional<AngleUnit> unit = {};  ///< no value if the name does not state it
     bool exists() const { return !name.empty(); }
     AngleUnit unit_or_degrees() const { return unit.value_or(k_in_degrees); }
 };
 
-/// The angles of `Columns` after θ_l, φ_l, θ_v, φ_v: that between light and viewer, and that from the mirror direction
-/// to the viewer, in the plane of incidence towards the light.
+/// The angles of `Columns` after θ_l, φ_l, θ_v, φ_v: the phase angle between light and viewer, and the aspecular angle
+/// from the mirror direction to the viewer, in the plane of incidence towards the light.
 inline constexpr std::size_t k_phase = 4, k_aspecular = 5;
 constexpr AngleKind kind_of_angle(std::size_t a) { return a < 4 ? k_angle_kinds[a] : AngleKind::polar; }
 
@@ -33,7 +33,7 @@ struct Columns {
     bool in_plane = false;  ///< no azimuths: θ_v > 0 is on the mirror side
     Values values = Values::grey;
     Quantity quantity = Quantity::bsdf;
-    double unit = 1;  ///< of the values
+    double unit = 1;  ///< factor of the values
     std::vector<std::size_t> value;
     std::vector<float> wavelengths;
     std::size_t wavelength = k_absent;  ///< a column with a wavelength for each row
@@ -44,8 +44,9 @@ struct Columns {
 bool are_units(std::span<const std::string_view> fields);
 /// True if two fields name directions, or one a direction and one a value.
 bool are_names_of_columns(std::span<const std::string_view> fields);
-/// Assigns columns by their names. Errors: no directions or no values; two columns of the same meaning; `constants`
-/// ("phi_l_deg=180") that are not angles. Angles of the light that neither has are those of lines in `header`.
+/// Assigns columns by their names. `constants` are angles ("phi_l_deg=180"). Lines of `header` give angles of the light
+/// that neither states. Returns an error if there are no directions or no values, if two columns have the same meaning,
+/// or if a constant is not an angle.
 Result<Columns> assign_columns(std::span<const std::string_view> names, std::span<const std::string_view> constants,
                                std::span<const std::string_view> header, const std::string& file_name,
                                std::uint64_t line);

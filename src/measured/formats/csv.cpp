@@ -88,7 +88,7 @@ Preamble read_preamble(std::string_view text, bool has_names) {
     for (auto line = lines.next(); line; preamble.rows = lines, line = lines.next()) {
         const auto comment = comment_in(*line);
         std::string_view content = comment.value_or(*line);
-        if (constexpr std::string_view format = "format:"; content.starts_with(format))  // of pab's goniophotometers
+        if (constexpr std::string_view format = "format:"; content.starts_with(format))  // pab's goniophotometers
             content = trimmed(content.substr(format.size()));
         const bool both_sides = comment && equal_ignoring_case(content, k_both_sides.substr(2));
         const auto isotropic = comment ? isotropy_in(content) : std::nullopt;
@@ -218,7 +218,7 @@ std::optional<Error> infer_angles(Table& table, const std::string& file_name, st
     return {};
 }
 
-/// Errors: those of `assign_columns` and of `infer_angles`.
+/// Returns an error if `assign_columns` or `infer_angles` does.
 Result<Table> open_table(std::string_view text, const std::string& file_name, const std::string& option) {
     std::vector<std::string_view> names, constants;
     for (std::string_view rest = option, name = next_word(rest, " ,"); !name.empty(); name = next_word(rest, " ,"))
@@ -294,11 +294,11 @@ Directions directions_in(NumberRow& row, const Columns& columns) {
     return {wl, wv};
 }
 
-/// The samples of a file: those of each part, in its frame, of a two-sided file, otherwise those of the first part.
+/// The samples of a file. A two-sided file has samples of each part, in its frame; others have one part, the first.
 struct CollectedSamples {
     std::array<std::optional<SampleBuilder>, k_parts> part;
-    std::vector<SpectralRow> rows;  ///< of a table with a row for each wavelength, instead
-    std::optional<bool> isotropic;  ///< as the file states
+    std::vector<SpectralRow> rows;  ///< rows of a table with a row for each wavelength, which has no `part`
+    std::optional<bool> isotropic;  ///< whether the samples are isotropic, if the file states it
     Columns columns;
     std::string description;
 };

@@ -36,7 +36,7 @@ std::string first_bytes(std::span<const std::byte> bytes) {
     return text;
 }
 
-/// Other files: the bytes that one begins with, those it has among its first, what it is and what to do.
+/// Files of other kinds: their first bytes, a text near their beginning, and a message with the kind and a remedy.
 constexpr std::string_view k_web_page = "a web page, not a file of data; download the file itself";
 constexpr std::string_view k_other_files[][3] = {
     {"\xd0\xcf\x11\xe0", "", "an Excel workbook (.xls); save the sheet as CSV"},
@@ -124,7 +124,7 @@ Result<Measured> read_with_options(std::span<const std::byte> bytes, const std::
 
 std::span<const Format> formats() {
     static const std::vector<Format> all = [] {
-        std::vector<Format> joined{k_rgl_format, k_mbsdf_format, k_merl_format};  // by their first bytes
+        std::vector<Format> joined{k_rgl_format, k_mbsdf_format, k_merl_format};  // recognised by their first bytes
         for (const std::span<const Format> extra : k_extra_formats)
             joined.insert(joined.end(), extra.begin(), extra.end());
         joined.insert(joined.end(), {k_alta_format, k_astm_format, k_cornell_format, k_csv_format, k_utia_format});

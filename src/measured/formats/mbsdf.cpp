@@ -112,7 +112,7 @@ AngleNodes angle_nodes(float position, std::uint32_t n) {
     return {i, std::min(i + 1, n - 1), clamped - float(i)};
 }
 
-/// Reads the block of reflection, and that of transmission if there is one.
+/// Reads the block of reflection, and the block of transmission if there is one.
 Result<std::vector<MbsdfTable>> read_blocks(std::span<const std::byte> bytes, const std::string& file_name) {
     const StandardArithmetic mode;
     Cursor file{as_text(bytes), file_name};
@@ -157,7 +157,8 @@ Result<std::vector<MbsdfTable>> read_blocks(std::span<const std::byte> bytes, co
 
 bool is_mbsdf(std::span<const std::byte> bytes) { return as_text(bytes).starts_with(k_any_version); }
 
-/// Reads both blocks, as reflection and transmission of light from the front; the reflection alone if there is no other.
+/// Reads both blocks, as reflection and transmission of light from the front; the reflection alone if there is no
+/// other.
 Result<Measured> read_any_mbsdf(std::span<const std::byte> bytes, const std::string& file_name, const ReadOptions&) {
     auto blocks = read_blocks(bytes, file_name);
     if (!blocks) return blocks.error();

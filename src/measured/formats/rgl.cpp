@@ -154,7 +154,7 @@ Result<std::vector<float>> read_wavelengths(const TensorFile& file, const std::s
     return std::move(wavelengths->values);
 }
 
-/// The colours; of a table with wavelengths from its spectra, which it keeps.
+/// The colours. A table with wavelengths gets them from its spectra, which it keeps.
 Result<RglTable::Colours> read_colours(const TensorFile& file, const std::string& file_name, const Azimuths& azimuths,
                                        RglTable& table) {
     const bool is_spectral = !table.wavelengths.empty();

@@ -1,4 +1,4 @@
-// The warp of an RGL measurement: from the unit square of half-vector directions to that of the measured colours.
+// The warp of an RGL measurement: from the unit square of half-vector directions to the unit square of its colours.
 #pragma once
 #include <algorithm>
 #include <bit>

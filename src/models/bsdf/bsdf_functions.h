@@ -1,4 +1,4 @@
-// BSDFs as any kind of model: the functions of a `Model` (model.h), on either side, without the beams.
+// The functions of a `Model` (model.h) for BSDFs: values for directions on either side, without the beams.
 #pragma once
 #include "srbf/model.h"
 

@@ -13,7 +13,7 @@ Safetensors take_part(Safetensors& content, Part part);
 
 /// The tensors of the beams, rounded to 16-bit floats.
 std::map<std::string, Tensor16> encode_beams(const Beams& beams);
-/// The inverse. Errors: other tensors, invalid numbers.
+/// The inverse. Returns an error if there are other tensors or invalid numbers.
 Result<Beams> decode_beams(const std::map<std::string, Tensor16>& tensors, const std::string& file_name);
 
 // A BSDF holds models; model.cpp writes and reads them.

@@ -124,7 +124,8 @@ class GgxProblem {
 
 constexpr double k_least_log = -10;  ///< log2 of k_least_roughness
 
-/// The roughness of all lobes on a grid of half octaves from `least_log` on. The first of two lobes is the narrower one.
+/// The roughness of all lobes on a grid of half octaves from `least_log` on. The first of two lobes is the narrower
+/// one.
 std::vector<LogRoughness> roughness_grid(int lobes, double least_log) {
     std::vector<double> octaves{least_log};
     for (double x = k_least_log; x <= 0; x += 0.5)
@@ -203,12 +204,12 @@ struct GgxVariables {
     }
 };
 
-/// The share of pairs in the loss, for the model that is solved for pairs; about that of the default fit. Without pairs
-/// the RMS of radiance is up to twice as large.
+/// The loss of the pairs relative to the loss of the pixels, at the model that is solved for pairs; about the same as
+/// in the default fit. Without pairs the RMS of radiance is up to twice as large.
 constexpr double k_pair_share = 0.3;
 
-/// The model with the least loss of pixels and pairs, starting from `solved`, the best model by pairs, and from the best
-/// by pairs at each roughness of the grid.
+/// The model with the least loss of pixels and pairs, starting from `solved`, the best model by pairs, and from the
+/// best by pairs at each roughness of the grid.
 Result<Fitted<GgxModel>> fit_pixels(const Observations& observations, GgxProblem& pairs, const GgxModel& solved,
                                     double least_log, int threads, const ProgressToken& progress) {
     const GgxVariables variables{least_log, solved.lobes.size(), observations.is_grey()};

@@ -1,3 +1,4 @@
+// `Kind` of Lambert and GGX lobes.
 #pragma once
 #include <string>
 
@@ -31,11 +32,11 @@ template <> struct Kind<GgxModel> : KindOfNumbers<GgxModel> {
     static std::string formula_text(const GgxModel& model, const NumberText& number);
     /// Minimises Σ w |f−f̂|² over the observations. For given roughness all other parameters solve a non-negative
     /// linear problem. Roughness is optimised by pattern search from the best values on a grid of half octaves, which
-    /// is evaluated on a subset; no roughness is below the observations' least. The loss of `model` is that before the
-    /// linear parameters are rounded. If pictures are observed, all parameters are then optimised for the loss of
+    /// is evaluated on a subset; no roughness is below the observations' least. The loss of `model` is computed before
+    /// the linear parameters are rounded. If pictures are observed, all parameters are then optimised for the loss of
     /// `SurfaceData` with pixels and pairs, from this solution and from the best of the grid. Albedos and bound pairs
-    /// are not used.
-    /// Errors: options out of range, fewer observations than parameters, values that are not finite; cancelled.
+    /// are not used. Returns an error if options are out of range, observations fewer than parameters, or values not
+    /// finite, or if it is cancelled.
     static Result<Fitted<GgxModel>> fit(const Observations& observations, const GgxRequest& request = {},
                                         const FitConditions& conditions = {}, const ProgressToken& progress = {});
 

@@ -13,9 +13,9 @@ namespace SRBF_NAMESPACE {
 ///   std::string summary(const M&), void add_rows(std::string& text, const M&), Parameters members(const M&),
 ///   Parameters parameters(const M&), std::string formula_text(const M&, const NumberText&)   as in
 ///                                                      models/kind/parameters.h
-///   bool matches(const ParameterReader&)                 true if the parameters are of this kind, by a name that no kind
-///                                                      before it in `AnyModel` has
-///   M from_parameters(ParameterReader&)                        the inverse of `parameters`
+///   bool matches(const ParameterReader&)               true if the parameters are of this kind, by a name that no
+///                                                      kind before it in `AnyModel` has
+///   M from_parameters(ParameterReader&)                the inverse of `parameters`
 /// A kind that is a list of numbers inherits all of these that it does not have from `KindOfNumbers` (numbers.h).
 /// A kind that is fitted to observations alone also has, with R its request,
 ///   Result<Fitted<M>> fit(const Observations&, const R&, const FitConditions&, const ProgressToken&)
@@ -23,7 +23,7 @@ template <typename M> struct Kind;
 
 struct FitConditions {
     bool is_isotropic = true;  ///< true if the measurement is isotropic
-    int threads = 0;           ///< 0 for as many as the machine has; the result does not depend on it
+    int threads = 0;           ///< number of threads; 0: all of the machine. The result does not depend on it
 };
 
 /// The result of a fit.
@@ -34,12 +34,12 @@ template <typename M> struct Fitted {
     double unrounded_loss = 0;  ///< the loss of `unrounded`, which the fit minimises
 };
 
-/// `model` rounded as in its file. A valid one has no error.
+/// `model` rounded as in its file. It is an error only if the model is not valid.
 template <typename M> Result<M> as_stored(const M& model, const std::string& file_name = {}) {
     Safetensors content = Kind<M>::content(model);
     return Kind<M>::read(content, file_name);
 }
-/// `model`, a valid one, rounded as in its file.
+/// A valid model, rounded as in its file.
 template <typename M>
 requires requires { Kind<M>::name; }
 M rounded(const M& model) { return *as_stored(model); }

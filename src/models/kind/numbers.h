@@ -16,7 +16,7 @@ SRBF_BEGIN
 
 /// A number or a colour of a model, or of each of its lobes, by one of four pointers.
 template <typename M, typename Lobe = M> struct Member {
-    std::string_view name;  ///< of the parameter
+    std::string_view name;  ///< name of the parameter
     float least, most;      ///< infinity: the largest 16-bit float
     float M::*number = nullptr;
     Rgb M::*colour = nullptr;
@@ -51,7 +51,7 @@ std::vector<float> numbers_of(const M& model, const Member<M, Lobe>& member, std
         for (int c = 0; c < member.count(); ++c) numbers.push_back(number(model, member, c, lobe));
     return numbers;
 }
-/// All numbers of a member, and their shape: of lobes [L] or [L, 3], of others [1] or [3].
+/// All numbers of a member, and their shape: [L] or [L, 3] for members of lobes, [1] or [3] for others.
 template <typename M, typename Lobe> NumberArray array_of(const M& model, const Member<M, Lobe>& member) {
     const std::size_t slots = member.of_lobe() ? lobes_of_numbers(model) : 1, count = std::size_t(member.count());
     std::vector<std::size_t> shape{member.of_lobe() ? slots : count};
@@ -66,7 +66,7 @@ template <typename M>
 concept OfNumbers = requires {
     Kind<M>::numbers;
 };
-/// How many numbers are stored.
+/// The number of stored numbers.
 template <OfNumbers M> std::size_t number_count(const M& model) {
     std::size_t count = 0;
     for (const auto& member : Kind<M>::numbers)
@@ -149,7 +149,7 @@ template <typename M> struct KindOfNumbers {
         return largest;
     }
     static std::string summary(const M&) { return fmt::format("{}, {}", Kind<M>::name, Kind<M>::words); }
-    /// Adds the kind, the size, a row for each member, then for those of each lobe.
+    /// Adds the kind, the size, a row for each member of the model, then a row for each member of each lobe.
     static void add_rows(std::string& text, const M& model) {
         add_row(text, "model", fmt::format("{}: {}", Kind<M>::name, Kind<M>::words));
         add_row(text, "size", fmt::format("{} numbers, {} bytes", number_count(model), payload_bytes(model)));
@@ -184,7 +184,7 @@ template <typename M> struct KindOfNumbers {
                 text(number(model, member, c, lobe), member.name, lobe * std::size_t(member.count()) + std::size_t(c)));
         return member.count() > 1 ? fmt::format("Vec3({})", fmt::join(numbers, ", ")) : numbers[0];
     }
-    /// True if one of its names is there.
+    /// True if one of the kind's names is among the parameters.
     static bool matches(const ParameterReader& reader) {
         return std::ranges::any_of(Kind<M>::numbers, [&](const auto& member) { return reader.has(member.name); });
     }

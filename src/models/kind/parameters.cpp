@@ -44,14 +44,14 @@ std::vector<float> ParameterReader::numbers(std::string_view name, std::string_v
         return {};
     }
     if (!std::ranges::all_of(array->numbers, [](float x) { return std::isfinite(x); }))
-        refuse(name, "finite numbers", "others");
+        refuse(name, "finite numbers", "");
     return array->numbers;
 }
 
 std::vector<Vec3f> ParameterReader::units(std::string_view name, std::string_view shape) {
     auto units = vectors<Vec3f>(name, shape);
     if (!std::ranges::all_of(units, [](const Vec3f& w) { return std::abs(dot(w, w) - 1) < 1e-3f; }))
-        refuse(name, "unit vectors", "others");
+        refuse(name, "unit vectors", "");
     return units;
 }
 

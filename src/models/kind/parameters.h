@@ -26,20 +26,20 @@ struct Model;
 Parameters parameters(const Model& model);
 /// The inverse of `parameters`. Rounds to the 16-bit floats of model files, except for centres that are exact already,
 /// since conversion to vectors rounds their angles twice. A multivariate model may lack `log_scale` (0), `centre` (+z),
-/// `exponent` (none), and `form` and `axial`, which follow from the others. Errors: a missing or unknown name, another
-/// shape, numbers that are not finite or out of range, vectors that are not of length 1.
+/// `exponent` (none), and `form` and `axial`, which follow from the others. Returns an error if a name is missing or
+/// unknown, if a shape differs, if numbers are not finite or out of range, or if vectors do not have length 1.
 Result<Model> model_from(const Parameters& parameters, std::map<std::string, std::string> provenance = {});
 
 /// The kind of a model in words: "surface of OpenPBR".
 std::string_view kind_words(const Model& model);
-/// "exchanged" of the provenance of a model of exchanged data.
+/// The text of "exchanged" in the provenance of a model of exchanged data.
 inline constexpr std::string_view k_exchanged = "light and viewer of the source";
 /// Describes a model in a line: "pm, form gaussian, 8 lobes, 4 variates, axial".
 std::string summary(const Model& model);
 /// Describes a model in rows, with its parameters, as `srbf info` prints them.
 std::string rows_text(const Model& model);
-/// The members of its fit's report that describe a model: "form", "lobes", "variates", "axial", and others for some
-/// kinds.
+/// The members that describe a model in the report of its fit: "form", "lobes", "variates", "axial", and others for
+/// some kinds.
 Parameters report_members(const Model& model);
 
 /// Writes number x of a model in code: element `index` of `parameter`, which is empty if x depends on several.
@@ -99,8 +99,8 @@ class ParameterReader {
     std::optional<Error> error_;
 };
 
-/// An error if a coefficient of the model, or a reflectance of its facets, is above the largest 16-bit float, 65504,
-/// which `write_model` stores instead. `source` is that of the error.
+/// Returns an error if a coefficient of the model, or a reflectance of its facets, is above the largest 16-bit float,
+/// 65504, which `write_model` stores instead. `source` becomes `Error::source`.
 Result<Done> check_range(const Model& model, const std::string& source);
 
 SRBF_END

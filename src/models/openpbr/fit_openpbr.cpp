@@ -44,7 +44,7 @@ constexpr std::array<FittedParameter, 19> k_fitted_parameters{{
     {"specular_roughness_anisotropy", true, true, true, 0.02f, 0.9f},
     {"specular_rotation", true, true, true, 0.25f, 0.75f},  // half a turn, far from the bounds
 }};
-/// Rows of the table: those of all surfaces, of the film, and of anisotropy.
+/// Rows of the table: rows of all surfaces, rows of the film, and rows of anisotropy.
 constexpr std::span<const FittedParameter> k_common_rows = std::span(k_fitted_parameters).first(14),
                                            k_film_rows = std::span(k_fitted_parameters).subspan(14, 3),
                                            k_anisotropy_rows = std::span(k_fitted_parameters).subspan(17);
@@ -162,7 +162,7 @@ constexpr int k_pruning_steps = 10;           ///< steps with which the surface 
 constexpr double k_least_part_gain = 0.01;    ///< a part is kept if it lowers the loss by a larger share
 constexpr double k_invisible_loss = 0.01;     ///< no part is kept if the loss of pixels is below this (ΔE_ITP 0.1)
 
-/// Variables without those of the named parameters.
+/// Variables without the variables of the named parameters.
 std::vector<OpenPbrVariable> without(std::vector<OpenPbrVariable> variables, std::span<const std::string_view> names) {
     std::erase_if(variables, [&](const OpenPbrVariable& x) { return std::ranges::count(names, x.member->name) > 0; });
     return variables;

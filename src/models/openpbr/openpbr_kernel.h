@@ -1,4 +1,4 @@
-// Surfaces in the form of kernel.glsl.
+// Surfaces as structures of kernel.glsl.
 #pragma once
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"

@@ -1,3 +1,4 @@
+// `Kind` of OpenPBR surfaces.
 #pragma once
 #include <string>
 
@@ -26,7 +27,7 @@ template <> struct Kind<OpenPbrModel> : KindOfNumbers<OpenPbrModel> {
     /// two thousand random surfaces, and from the best results with films added. A part of the surface without which
     /// the loss rises by less than 1 %, once the others have adapted, gets its default; so does the anisotropy of an
     /// isotropic measurement.
-    /// Errors: fewer observations than parameters, values that are not finite; cancelled.
+    /// Returns an error if observations are fewer than parameters or values not finite, or if it is cancelled.
     static Result<Fitted<OpenPbrModel>> fit(const Observations& observations, const OpenPbrRequest& request = {},
                                             const FitConditions& conditions = {}, const ProgressToken& progress = {});
 };

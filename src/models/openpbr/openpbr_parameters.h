@@ -33,7 +33,7 @@ inline constexpr std::array<OpenPbrParameter, 21> k_openpbr_parameters{{
     {"specular_roughness_anisotropy", 0, 1, &OpenPbrModel::specular_roughness_anisotropy},
     {"specular_rotation", 0, 1, &OpenPbrModel::specular_rotation},
 }};
-/// True if a parameter is stored: those of a film and of anisotropy only if there is one.
+/// True if a parameter is stored. Parameters of a film are stored if there is one, parameters of anisotropy likewise.
 constexpr bool is_stored(const OpenPbrModel& model, const OpenPbrParameter& row) {
     if (row.name.starts_with("thin_film_")) return model.thin_film_weight > 0;
     const bool is_of_anisotropy = row.name == "specular_roughness_anisotropy" || row.name == "specular_rotation";

@@ -21,14 +21,13 @@ class PmLanes {
     int lobes() const { return lobes_; }
     int variates() const { return variates_; }  ///< including padding
 
-    /// The number of variates including padding with bandwidth 0, so that few numbers of variates need compiled
-    /// code.
+    /// The number of variates including padding with bandwidth 0, so that few numbers of variates need compiled code.
     static constexpr int padded_variates(int variates, bool axial) {
         if (!axial) return variates <= 4 ? 4 : 8;
         return variates <= 4 ? variates : variates <= 6 ? 6 : 8;
     }
 
-    /// Weights of variate n, followed by those of the next variates.
+    /// Weights of variate n, followed by the weights of the next variates.
     const float* weight_l(int n) const { return &numbers_[0].lane[std::size_t(n)]; }
     const float* weight_v(int n) const { return &numbers_[1].lane[std::size_t(n)]; }
     /// Weights of the four variates from n on, twice in a row; n is a multiple of four.

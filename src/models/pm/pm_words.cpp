@@ -59,7 +59,7 @@ void add_table(std::string& text, const PmModel& model) {
 /// no such form.
 PmForm form_of(ParameterReader& reader) {
     std::set<std::size_t> known;
-    std::vector<std::string_view> names;  // of the forms with so many terms
+    std::vector<std::string_view> names;  // the forms with this number of terms
     for (const FormRow& row : k_form_rows) {
         known.insert(row.terms);
         if (row.terms == reader.length('F')) names.push_back(row.name);
@@ -144,7 +144,7 @@ PmModel Kind<PmModel>::from_parameters(ParameterReader& reader) {
     model.form = form_of(reader);
     const bool is_along_z = std::ranges::all_of(model.centre, [](const Vec3f& xi) { return std::abs(xi.z) == 1; });
     model.axial = reader.flag("axial", is_along_z);
-    if (model.axial && !is_along_z) reader.refuse("centre", "(0, 0, 1) or (0, 0, -1) of an axial model", "others");
+    if (model.axial && !is_along_z) reader.refuse("centre", "(0, 0, 1) or (0, 0, -1) of an axial model", "");
     if (reader.error()) return model;
     round_log_scales(model, coefficient);
     if (is_spectral)

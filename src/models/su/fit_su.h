@@ -1,3 +1,4 @@
+// The fit of a view-by-view model to a matrix of directions.
 #pragma once
 #include "observe/raw_matrix.h"
 #include "srbf/metrics.h"
@@ -14,7 +15,7 @@ struct SuFitOptions {
     SuInterpolation interpolation = SuInterpolation::rotated;  ///< stored in the model; the fit does not depend on it
     int neighbours = 3;                                        ///< K of plain interpolation, 1..k_most_neighbours
     std::uint64_t seed = 0;                                    ///< seed of the random numbers
-    int threads = 0;  ///< 0 for as many as the machine has; the result does not depend on it
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
 };
 
 struct SuFit {
@@ -25,9 +26,9 @@ struct SuFit {
 };
 
 /// Fits scattered univariate SRBFs: for each sampled direction of `matrix`, including those beyond θmax, a sum of J
-/// lobes with general centres, by separable least squares as in `fit_pm`. The initial lobes of a view are those of the
-/// previous view; the first of every 32 views is fitted from scratch (docs/fitting.md).
-/// Errors: options out of range; a matrix of another size; a view with data at fewer than J directions within θmax.
+/// lobes with general centres, by separable least squares as in `fit_pm`. The fit of a view begins with the lobes of
+/// the previous view; the first of every 32 views is fitted from scratch (docs/fitting.md). Returns an error if options
+/// are out of range, the matrix has another size, or a view has data at fewer than J directions within θmax.
 Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const ProgressToken& progress = {});
 
 }  // namespace srbf

@@ -1,3 +1,4 @@
+// The fit of the lobes of one view.
 #pragma once
 #include <array>
 #include <random>

@@ -18,7 +18,7 @@ constexpr double k_most_peak = 2, k_most_peak_beyond = 1;
 constexpr std::size_t k_peak_views = 24;
 /// Lower bound on the cosine by which a bound is divided, relative to the cosine of θmax.
 constexpr double k_least_view_cosine = 0.5;
-/// The typical value is that of every eighth view; of 1536 views, their cosines are 1/192 apart.
+/// The typical value is computed from every eighth view; of 1536 views, their cosines are 1/192 apart.
 constexpr std::size_t k_typical_views = 8;
 /// The slope of the light beside the view, 27° above the horizon.
 constexpr double k_elevation = 0.5;
@@ -49,7 +49,7 @@ void SampledViews::find_typical() {
             wl.push_back(l), wv.push_back(v), values.push_back(f(view, i));
         }
     typical_ = typical_value(objective_, wl, wv, values, std::vector<double>(values.size(), 1.0));
-    if (!(typical_ > 0)) typical_ = 1;  // those views are black
+    if (!(typical_ > 0)) typical_ = 1;  // all these views are black
 }
 
 void SampledViews::find_largest() {

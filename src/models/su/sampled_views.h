@@ -16,10 +16,10 @@ class SampledViews {
     /// The number of directions within θmax at which a view has data.
     std::size_t valid(std::size_t view) const;
 
-    /// The rows of a view. Directions of the matrix within θmax have the weights of the objective; those beyond are
-    /// horizon pairs with small weights, as in `observe`. Directions between those of the matrix have the weight of
-    /// k_between_views_directions times a uniform density. An objective of pictures adds radiances. The scale is 0 if
-    /// there is no value above 0 within θmax.
+    /// The rows of a view. Directions of the matrix within θmax have the weights of the objective; directions beyond it
+    /// are horizon pairs with small weights, as in `observe`. Further directions (`RawMatrix::Between`) have the weight
+    /// of k_between_views_directions times a uniform density. An objective of pictures adds radiances. The scale is 0
+    /// if there is no value above 0 within θmax.
     const ViewRows& rows(std::size_t view) const { return rows_[view]; }
 
   private:
@@ -35,7 +35,7 @@ class SampledViews {
                                                        : std::pair(other, direction(view));
     }
     std::span<const RawMatrix::Between> between_of(std::size_t view) const;
-    /// The directions of a view with their values: those of the matrix, then the valid ones between them.
+    /// The directions of a view with their values: first directions of the matrix, then valid ones between them.
     struct Table {
         std::size_t view;
         std::vector<Vec3f> direction;

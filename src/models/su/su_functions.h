@@ -1,5 +1,5 @@
 // View-by-view models as any kind of model: the functions of a `Model` (model.h). Their sampled views, index textures,
-// and the names of what they choose from.
+// and the names of their choices.
 #pragma once
 #include <cstddef>
 #include <span>

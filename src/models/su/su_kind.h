@@ -1,3 +1,4 @@
+// `Kind` of the view-by-view model.
 #pragma once
 #include <string>
 

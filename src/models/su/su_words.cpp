@@ -86,7 +86,7 @@ SuModel Kind<SuModel>::from_parameters(ParameterReader& reader) {
     const auto is_near = [](const Vec3f& a, const Vec3f& b) { return dot(a - b, a - b) <= 1e-10f; };
     if (reader.has("direction") &&
         !std::ranges::equal(reader.vectors<Vec3f>("direction", "n3"), model.direction, is_near))
-        reader.refuse("direction", "the Fibonacci set of the hemisphere", "others");
+        reader.refuse("direction", "the Fibonacci set of the hemisphere", "");
     model.interpolation = *interpolation_named(reader.word("interpolation", {"rotated", "plain"}, "rotated"));
     model.discretise = *discretise_named(reader.word("discretise", {"view", "light"}, "view"));
     model.neighbours = reader.whole("neighbours", 1, k_most_neighbours, 3);

@@ -16,7 +16,7 @@ struct AngleBasis {
         friend bool operator==(const Ring&, const Ring&) = default;
     };
     std::string name;
-    std::vector<Ring> rings;  ///< in order, from 0 to π/2
+    std::vector<Ring> rings;  ///< rings in order, from 0 to π/2
 
     std::size_t patches() const;
     /// The index of the first patch of a ring. `rings.size()` gives the number of patches.
@@ -47,7 +47,7 @@ struct KlemsTable {
     static constexpr std::string_view k_name = "KlemsTable";
     AngleBasis incident, outgoing;
     std::vector<Rgb> cells;    ///< f [1/sr] without the beam, outgoing × incident
-    std::vector<Rgb> beam;     ///< for each incident patch, the share of light in a peak within one patch; or empty
+    std::vector<Rgb> beam;     ///< each incident patch's share of light in a peak within one patch; or empty
     std::uint64_t masked = 0;  ///< cells without a measurement, which are NaN; files have none
     Rgb cell(std::size_t o, std::size_t i) const { return cells[o * incident.patches() + i]; }
     /// The outgoing patch that contains the mirror direction, or the direction straight through, of an incident
@@ -107,8 +107,8 @@ EvaluatedTable evaluated(TreeTable table);
 /// that the file defines, or Radiance's tensor trees. They describe reflection and transmission at front and back,
 /// in bands of wavelengths; the band "Visible" is chosen if it exists. WINDOW's front is +z. A peak within one
 /// patch around the mirror direction, of which the neighbouring patches have less than a tenth, becomes a `Beam`.
-/// Errors: XML that is not well-formed; a document type, which can define entities; a matrix whose size does not
-/// match its bases; a tree of the wrong shape; numbers that are not finite.
+/// Returns an error if the XML is not well-formed or has a document type, which can define entities, if the size of a
+/// matrix does not match its bases, if a tree has the wrong shape, or if a number is not finite.
 Result<BsdfTable> read_bsdf_xml(std::span<const std::byte> bytes, const std::string& file_name);
 inline constexpr std::size_t k_largest_xml = std::size_t(1) << 28;
 
@@ -126,7 +126,7 @@ std::string write_bsdf_xml(const BsdfTable& table);
 /// The averages that a fit to a matrix of patches compares: means over pairs of patches, computed as sums over
 /// points.
 struct PatchSums {
-    std::vector<Rgb> mean;       ///< of each class of pairs [1/sr]
+    std::vector<Rgb> mean;       ///< mean f of each class of pairs [1/sr]
     std::vector<double> weight;  ///< products of projected solid angles [sr²], of each class
     std::size_t points = 0;      ///< number of points in each class
     std::vector<Vec3f> wl, wv;   ///< classes × points

@@ -42,11 +42,12 @@ struct EnvironmentCode {
 ///       point
 ///   LightLobe NAME_environment_lobe(Vec3 wv, int k)
 ///       one of the `lobes` terms of that sum: axis, roughness and weight, see extended_light.h
-/// Errors: those of `shading_code`.
+/// Returns an error if `shading_code` does.
 Result<std::string> environment_code(std::span<const NamedModel> models, std::string_view prefix,
                                      const CodeOptions& options, const EnvironmentCode& added);
 /// The text of `map_code` with these functions except the samples, and with the coefficients as the last argument.
-/// The axes and roughnesses of its lobes are common to all materials (`SharedLight`). Errors: those of `map_code`.
+/// The axes and roughnesses of its lobes are common to all materials (`SharedLight`). Returns an error if `map_code`
+/// does.
 Result<std::string> environment_map_code(const TexelMap& map, std::string_view name, const CodeOptions& options,
                                          const EnvironmentCode& added);
 
@@ -59,18 +60,18 @@ LightTexels light_texels(const ExtendedLight& light);
 
 /// The models as an ES module for three.js (release 187) and its WebGLRenderer. Each model gets a class, such as
 /// FilmMaterial for "film". It extends MeshStandardMaterial and reflects all lights of three.js by the model,
-/// including environment maps and area lights. Errors: those of `shading_code`.
+/// including environment maps and area lights. Returns an error if `shading_code` does.
 Result<std::string> three_module(std::span<const NamedModel> models, std::string_view prefix, int threads = 0);
-/// Such a module for the WebGPURenderer (run with release 185). Its classes extend MeshStandardNodeMaterial. Errors:
-/// those of `shading_code`.
+/// Such a module for the WebGPURenderer (run with release 185). Its classes extend MeshStandardNodeMaterial. Returns an
+/// error if `shading_code` does.
 Result<std::string> three_webgpu_module(std::span<const NamedModel> models, std::string_view prefix, int threads = 0);
 /// One model as a shader for the Universal Render Pipeline of Unity 6, whose name is Measured/Film (URP) for "film". It
 /// reflects lamps with their shadows, the reflection probe, ambient light and light probes. It was not run in Unity.
-/// Errors: those of `shading_code`, a number of models that is not 1.
+/// Returns an error if `shading_code` does, or if there is not exactly one model.
 Result<std::string> unity_shader(std::span<const NamedModel> models, int threads = 0);
 /// A map (map.h) as a module for WebGLRenderer. It has a class, FilmMaterial for "film", whose `coefficients` are
 /// a texture, and a function `loadCoefficients` that reads the texture from a KTX 2 file, by default `file` beside
-/// the module. Errors: those of `map_code`.
+/// the module. Returns an error if `map_code` does.
 Result<std::string> three_map_module(const TexelMap& map, const std::string& name, std::string_view file,
                                      int threads = 0);
 

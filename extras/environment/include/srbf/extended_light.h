@@ -25,10 +25,10 @@ struct ExtendedLight {
     struct Lobe {
         float axis;       ///< p
         float roughness;  ///< r, from `k_least_roughness` to 1
-        Rgb weight;       ///< at the nodes: the fraction
+        Rgb weight;       ///< fraction of the albedo
     };
     static constexpr float k_least_roughness = 0.05f;
-    static constexpr int k_levels = 6;  ///< of a filtered map
+    static constexpr int k_levels = 6;  ///< number of levels of a filtered map
     int lobes = 0;
     std::vector<Lobe> lobe;  ///< k_views × lobes, the views from the horizon to the normal
     /// ∫ f cosθl dωl / max f cosθl of each view [sr], in the mean of R, G, B. A light that covers much less of the
@@ -57,10 +57,10 @@ float filter_kernel(float roughness, float cosine, MapLevels levels = MapLevels:
 inline constexpr int k_least_extended_lobes = 2, k_most_extended_lobes = 8;
 struct ExtendedLightOptions {
     int lobes = 6;          ///< including the cosine, from `k_least_extended_lobes` to `k_most_extended_lobes`
-    bool isotropic = true;  ///< otherwise the lobes are those of the BRDF's mean over azimuths
+    bool isotropic = true;  ///< false: lobes of the BRDF's mean over azimuths
     MapLevels levels = MapLevels::root;
     bool fixed = false;  ///< the roughness of a lobe is the same for all views
-    int threads = 0;     ///< 0: as many as the machine has; the result does not depend on it
+    int threads = 0;     ///< number of threads; 0: all of the machine. The result does not depend on it
 };
 /// The lobes of a BRDF. The fit minimises the error under lights of several sizes everywhere, relative to the
 /// radiance under them.
@@ -76,7 +76,7 @@ struct SharedLight {
     int lobes = 0;              ///< K, including the cosine
     std::vector<Shape> shape;   ///< k_views × (K − 1), for k > 0
     std::vector<float> weight;  ///< k_views × (K − 1) × J: weight_jk, for β_j = 1
-    std::vector<float> width;   ///< of each view, the least of the lobes' widths
+    std::vector<float> width;   ///< least width of the lobes of each view [sr]
 };
 /// The axes and roughnesses are those of `extended_light` for `model`, and the weights minimise errors relative to its
 /// radiance: its coefficients are therefore typical ones.

@@ -17,7 +17,7 @@ struct MapOptions {
     int variates = 4;                ///< N, 1..8
     double max_theta = 0;            ///< [rad]; 0: the default of objective appearance
     std::uint64_t seed = 0;
-    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
 };
 inline constexpr int k_most_map_lobes = 256;
 
@@ -31,17 +31,18 @@ struct SharedPairs {
 /// loss of pairs and albedos of material t (docs/fitting.md) with its own best coefficients. r_t is √L_t of the
 /// current fit, at least a tenth of the largest, so that the sum of roots falls with the sum.
 ///
-/// Lobes are added in sixteen groups. Each lobe is the one of 256 random ones that would lower the sum most. Then they
-/// follow all terms of the objectives, with bounds and pixels. The coefficients of a material
-/// minimise all terms of its own objective. The result is a row of the materials, whose `error` is their mean ΔE_ITP
-/// under `standard_lightings`.
+/// Lobes are added in sixteen groups. Each lobe is the one of 256 random ones that would lower the sum most. Then the
+/// lobes are improved by all terms of the objectives, with bounds and pixels. The coefficients of a material minimise
+/// all terms of its own objective. The result is a row of the materials, whose `error` is their mean ΔE_ITP under
+/// `standard_lightings`.
 ///
-/// Errors: samples, or a two-sided measurement; no material; options out of range; cancelled.
+/// Returns an error if there is no material, if one is of samples or two-sided, if an option is out of range, or if it
+/// is cancelled.
 Result<TexelMap> fit_map(std::span<const Measured> materials, const MapOptions& options,
                          const ProgressToken& progress = {});
-/// Finds lobes that T texels share, of values f [T, pairs], NaN where nothing was measured. Their gaps are filled as in a fit
-/// of scattered samples, at fewer pairs. Of three searches the best one counts. `error` of the result, a row of the
-/// texels with values above 0, is 0. Errors: those above, and no such texel.
+/// Finds lobes that T texels share, of values f [T, pairs], NaN where nothing was measured. Their gaps are filled as in
+/// a fit of scattered samples, at fewer pairs. The best of three searches counts. The result is a row of the texels
+/// that have values above 0, and its `error` is 0. Returns an error as above, and if no texel has a value above 0.
 Result<TexelMap> fit_map(const SharedPairs& pairs, std::span<const Rgb> f, const MapOptions& options,
                          const ProgressToken& progress = {});
 
@@ -71,8 +72,8 @@ struct TexelCoefficients {
 /// `error` is √(Σ w |f−f̂|² / Σ w |f|²) of each texel with these coefficients, 0 for a black one and 1 if it failed.
 TexelCoefficients coefficients_of_texels(const TexelMap& map, const SharedPairs& pairs, std::span<const Rgb> f,
                                          int threads = 0);
-/// Texels that are sums of the map's texels, its materials, weighted by `shares` [T, materials] of at least 0; the
-/// error too.
+/// Texels that are sums of the map's texels, its materials, weighted by `shares` [T, materials] of at least 0. Their
+/// errors are the same sums.
 TexelCoefficients painted_texels(const TexelMap& materials, std::span<const float> shares);
 
 SRBF_END

@@ -40,7 +40,7 @@ double scatter_integral(const ScatterTable& table, const ScatterTable::Slice& sl
 /// the nodes.
 Rgb signed_value(const ScatterTable& table, Vec3f wl, Vec3f wv);
 bool is_isotropic(const ScatterTable& table);
-/// The table as that of a measurement (measured.h); `own_table` returns the original.
+/// The table for `Measured::table` (measured.h); `own_table` returns the original.
 EvaluatedTable evaluated(ScatterTable table);
 
 /// Reads Zemax' text of BSDFs: PlaneSymmetrical, Asymmetrical or Asymmetrical4D; Monochrome or XYZ; BRDF or BTDF.
@@ -49,7 +49,7 @@ Result<ScatterTable> read_zemax(std::span<const std::byte> bytes, const std::str
 /// Reads Speos' text files of anisotropic BSDFs, and of isotropic ones by wavelength. They describe reflection,
 /// transmission or both for light from the front. Values are π f or f cosθ. If their integral differs from the
 /// stated percentage by more than a tenth of it, they are scaled to it. By wavelength, the table is the mean,
-/// tinted by the percentages. Errors: a binary file.
+/// tinted by the percentages. Returns an error for a binary file.
 Result<std::array<std::optional<ScatterTable>, 2>> read_speos(std::span<const std::byte> bytes,
                                                               const std::string& file_name);
 /// Evaluates a part of a BSDF, in its own frame, as a scatter table with 18 angles of incidence, and 25 rotations

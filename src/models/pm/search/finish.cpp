@@ -14,8 +14,8 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// The cost of an error of a lobe's colour, compared with that of an error of its spectrum. It is small, so that the
-/// problem stays well-conditioned; rounds that ask for what is still missing make the colour exact.
+/// The cost of an error of a lobe's colour, compared with the cost of an error of its spectrum. It is small, so that
+/// the problem stays well-conditioned; further rounds fit the remaining difference until the colour is exact.
 constexpr double k_colour_importance = 10;
 constexpr int k_colour_rounds = 5;
 
@@ -71,7 +71,7 @@ PmModel with_spectra(PmModel model, const LobeShape& shape, const Observations& 
 /// two batches; a fit whose narrow lobes must match an albedo needs twenty.
 constexpr int k_last_steps = 10, k_most_batches = 26;
 constexpr double k_least_gain = 0.01;
-/// Once bounds are exceeded, a few steps with larger weights move lobes below them.
+/// After bounds were exceeded, a few steps with larger weights move lobes below them.
 constexpr int k_bound_rounds = 12, k_bound_steps = 4;
 
 /// Levenberg-Marquardt from x, with `count` steps.
@@ -79,7 +79,7 @@ LevenbergMarquardtSummary take_steps(LobeProblem& problem, Eigen::VectorXd& x, i
     return levenberg_marquardt(problem, x, {.max_iterations = reporter.cancelled() ? 0 : count});
 }
 
-/// Levenberg-Marquardt from x, as long as the steps pay off.
+/// Levenberg-Marquardt from x, until a batch of steps lowers the loss by less than `k_least_gain`.
 LevenbergMarquardtSummary take_last_steps(LobeProblem& problem, Eigen::VectorXd& x, const Reporter& reporter) {
     LevenbergMarquardtSummary summary;
     double previous = std::numeric_limits<double>::infinity();
@@ -94,7 +94,7 @@ LevenbergMarquardtSummary take_last_steps(LobeProblem& problem, Eigen::VectorXd&
 
 /// The limit on the albedo of a fit; none: there is none.
 std::optional<AlbedoBound> albedo_bound(const PmFitOptions& options) {
-    constexpr int k_azimuths = 5;  // of lobes that need not be isotropic
+    constexpr int k_azimuths = 5;  // azimuths of views for lobes that may be anisotropic
     const double limit = options.albedo_limit.value_or(default_albedo_limit(options.form));
     if (std::isinf(limit)) return {};
     return AlbedoBound(limit, options.axial ? 1 : k_azimuths);
@@ -121,7 +121,7 @@ PmFit fit_round(const Observations& observations, Lobes& lobes, const RowOptions
     return fit;
 }
 
-/// `fit`, with lobes lowered to the limit on albedos where steps did not suffice.
+/// `fit`, with lobes lowered to the limit on albedos if steps did not suffice.
 PmFit lowered_to(const AlbedoBound& bound, PmFit fit, const Observations& observations) {
     fit.unrounded = lowered_to(bound, std::move(fit.unrounded));
     PmModel within = lowered_to(bound, fit.model);

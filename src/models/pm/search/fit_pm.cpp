@@ -46,8 +46,8 @@ Result<Done> validate(const Observations& observations, const PmFitOptions& opti
     return validate(observations, parameter_count(options));
 }
 
-/// A stage of the perturbations of a fit. The first `fraction` of the starts, at least `least` if there are as many,
-/// are perturbed on the rows of `pairs` until each candidate has had the share `until` of the options' number.
+/// A stage of the perturbations of a fit. The first `fraction` of the starts, but at least `least` if there are that
+/// many, are perturbed on the rows of `pairs` until each candidate has had the share `until` of the options' number.
 struct Perturbations {
     Pairs pairs;
     double fraction, until;
@@ -59,7 +59,7 @@ constexpr Perturbations k_by_pairs[] = {
 /// of the candidates remain for pictures to choose from.
 constexpr Perturbations k_by_pictures[] = {{Pairs::search, 1, 0.12}, {Pairs::search, 0.5, 0.28, 6}};
 
-/// Number of pairs while there are many candidates: in a short search about ten for each parameter.
+/// Number of pairs while there are many candidates; in a short search about ten for each parameter.
 std::size_t search_pairs(const Observations& observations, const PmFitOptions& options) {
     if (!has_short_search(options) || observations.is_noisy()) return k_search_pairs;
     return std::clamp(std::bit_ceil(10 * parameter_count(options)), k_search_pairs / 2, k_search_pairs);
@@ -99,7 +99,7 @@ Work planned_work(const Observations& observations, const PmFitOptions& options)
 /// The fit of one material. Runs on the threads of the caller's `on_threads`.
 class Fit {
   public:
-    /// The candidates are those of the options' starts, or the lobes of `begin`.
+    /// Makes a candidate for each start of the options, or one with the lobes of `begin`.
     Fit(const Observations& observations, const PmFitOptions& options, const PmModel* begin, Reporter& reporter)
         : observations_(observations), options_(options), reporter_(reporter), begins_from_model_(begin) {
         candidates_.resize(begin ? 1 : std::size_t(starts_of(options)));

@@ -12,24 +12,20 @@
 
 namespace SRBF_NAMESPACE {
 
+/// Options of `fit_pm`. Form, lobes and variates come from the request by `pm_options` (fit/requests.h).
 struct PmFitOptions {
     PmForm form = PmForm::extended;
     bool axial = true;  ///< only centres at +z or −z, sufficient for isotropic data
     int lobes = 8;      ///< J, 1..k_most_fitted_lobes
-    int variates = 4;   ///< N, 1..8
-    /// Upper bound 1/finest² on bandwidths, and 1/finest [1/rad] on the other weights; 0: the range of 16-bit
-    /// floats.
+    int variates = 4;   ///< N, 1..k_most_variates
+    /// Upper bound 1/finest² on bandwidths, and 1/finest [1/rad] on the other weights; 0: the range of 16-bit floats.
     double finest = 0;
-    /// Number of starts: independent growths of J lobes. The best four are polished and one to three of them
-    /// finished. For appearance, pictures choose among the better half; one is finished, or an eighth of the starts
-    /// for noisy tables and where pictures are far off. Default: 16 for up to 6 lobes, falling to 12
-    /// for 8 and more; in forms that are not reciprocal 20, falling to 16.
+    /// Number of starts: independent growths of J lobes. The stages in fit_pm.cpp say how many of them continue. None:
+    /// `starts_of`.
     std::optional<int> starts = {};
-    /// Maximum number of perturbations of a candidate. Each replaces the least useful lobe; every fourth one
-    /// replaces the least useful variate instead. All starts get a fifth of the perturbations, the better half
-    /// another three tenths, and the best quarter the remaining half. For appearance, all starts get 0.12 of
-    /// them, and the better half, at least six, another 0.16.
-    /// Default: 45 for up to 5 lobes, falling to 25 for 8 and more.
+    /// Maximum number of perturbations of a candidate. Each replaces the least useful lobe; every fourth one replaces
+    /// the least useful variate instead. The tables of `Perturbations` in fit_pm.cpp distribute them. None:
+    /// `perturbations_of`.
     std::optional<int> perturbations = {};
     /// A factor of the numbers of starts and perturbations; at least one start remains.
     double effort = 1;
@@ -37,10 +33,11 @@ struct PmFitOptions {
     /// reciprocal form, infinity in others.
     std::optional<double> albedo_limit = {};
     std::uint64_t seed = 0;
-    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+    int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
 };
 
-/// The loss is Σ w |f−f̂|² over the observations, including horizon pairs, exceeded bound pairs and integrals.
+/// `loss` is the sum L of docs/fitting.md: Σ w |f−f̂|² over pairs, including horizon pairs and exceeded bound pairs,
+/// the errors of integrals and, if views are observed, of pixels.
 struct PmFit : Fitted<PmModel> {
     StopReason stop = StopReason::converged;
     double delta_e = 0;  ///< mean ΔE_ITP of the pixels of views, if there are any
@@ -48,11 +45,11 @@ struct PmFit : Fitted<PmModel> {
 
 /// Fits parameterized multivariate SRBFs by separable least squares. For given centres, bandwidths and
 /// parameterizations the coefficients solve a non-negative linear problem. Levenberg-Marquardt minimises the remaining
-/// residual over the other parameters (Kaufman 1975). Lobes are grown one by one. With spectral observations lobes and
-/// their colours are those of the fit to the colours; the lobes then get spectra. Details: docs/fitting.md. If `begin`
-/// is given, its lobes are polished instead of those of a search, after it has grown to this number of lobes. It must
-/// have this form and number of variates, and no more lobes. Errors: options out of range, fewer observations than
-/// parameters, values that are not finite.
+/// residual over the other parameters (Kaufman 1975). Lobes are grown one by one. Spectral observations are first
+/// fitted by their colours; these lobes and colours remain, and the lobes then get spectra. Details: docs/fitting.md.
+/// If `begin` is given, there is no search: its lobes are polished, after it has grown to `lobes` of them. It must have
+/// this form and number of variates, and no more lobes. Returns an error if options are out of range, observations
+/// fewer than parameters, or values not finite.
 Result<PmFit> fit_pm(const Observations& observations, const PmFitOptions& options, const ProgressToken& progress = {},
                      const PmModel* begin = nullptr);
 
@@ -87,8 +84,7 @@ inline bool has_short_search(const PmFitOptions& options) {
     return is_reciprocal(options.form) && starts_of(options) >= k_many_starts;
 }
 
-/// `options` with at most this many starts and perturbations, for a quick fit that estimates the result of a full
-/// one.
+/// `options` with at most this many starts and perturbations, for a quick fit that estimates the result of a full one.
 inline PmFitOptions quick_options(PmFitOptions options, int starts, int perturbations) {
     options.starts = std::min(starts_of(options), starts);
     options.perturbations = std::min(perturbations_of(options), perturbations);

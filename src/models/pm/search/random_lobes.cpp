@@ -8,8 +8,8 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// This fraction of random lobes are copies of an existing lobe, whose weights are multiplied by up to e and shifted by up
-/// to 2.
+/// This fraction of random lobes are copies of an existing lobe, whose weights are multiplied by up to e and shifted by
+/// up to 2.
 constexpr double k_copies = 0.25, k_log_stretch = 1, k_shift = 2;
 
 /// Distribution of a weight: 0 with probability `zero`, otherwise log-uniform between `least` and `factor` times

@@ -15,8 +15,8 @@ struct Candidate {
     int start = 0;  ///< index of its start, which determines its random numbers together with the seed
     Lobes lobes = {};
     double loss = std::numeric_limits<double>::infinity();  ///< most recent value
-    Eigen::MatrixXd beta = {}, gram = {};                   ///< for that loss: J × C; E·E
-    int perturbations = 0;                                  ///< number of perturbations so far
+    Eigen::MatrixXd beta = {}, gram = {};  ///< coefficients of that loss, J × C; products of columns EᵀE
+    int perturbations = 0;                 ///< number of perturbations so far
 };
 
 // Each of these functions advances a candidate on the rows of a problem, and returns early if cancelled.
@@ -25,8 +25,7 @@ struct Candidate {
 void grow(LobeProblem& problem, const PmFitOptions& options, Candidate& candidate, Reporter& reporter);
 
 /// Optimises the candidate, possibly on other rows than before. Then perturbs it until it has had `until`
-/// perturbations. Each replaces the least useful lobe, or every fourth time a variate, and is kept if the loss
-/// falls.
+/// perturbations. Each replaces the least useful lobe, or every fourth time a variate, and is kept if the loss falls.
 void perturb(LobeProblem& problem, const PmFitOptions& options, int until, Candidate& candidate, Reporter& reporter);
 
 /// Optimises on more rows by `steps` steps, and replaces lobes that become useless there.
@@ -38,14 +37,12 @@ void polish(LobeProblem& problem, const PmFitOptions& options, int steps, Candid
 PmFit finish(Lobes lobes, Observations observations, const RowOptions& terms, const PmFitOptions& options,
              const Reporter& reporter);
 
-/// The random generator of one of the streams of a start: 0 for its growth, 1 for its polish, 2 + i for
-/// perturbation i.
+/// The random generator of one of the streams of a start: 0 for its growth, 1 for its polish, 2 + i for perturbation i.
 std::mt19937_64 generator(std::uint64_t seed, int start, int stream);
 
 /// Initial parameterizations: half vector, light, view (Tsai 2009), the half vector again, and random ones. A peak
-/// narrower than the largest 16-bit bandwidth needs two half vectors. In every second start light and view are
-/// rotated by up to a radian, because some optima are far from both, and with three variates the last is the half
-/// vector.
+/// narrower than the largest 16-bit bandwidth needs two half vectors. In every second start light and view are rotated
+/// by up to a radian, because some optima are far from both, and with three variates the last is the half vector.
 Lobes initial_parameterizations(const LobeShape& shape, int start, std::mt19937_64& random);
 
 /// A random lobe. Its weights are log-uniform with either sign, and some are 0; or it is a perturbed copy of one of

@@ -52,8 +52,8 @@ void Subsets::add_exceeded_pairs(const std::vector<Candidate>& candidates, const
         selection.loss(pack(lobes));
         std::vector<std::size_t> indices =
             exceeded_pairs(all_, search_.begin, to_model(selection, lobes, {}), largest_);
-        // Bounds beyond the grid are left to the final model: candidates often exceed them, and they would displace
-        // more important ones.
+        // Bounds beyond the grid are left to the last stage: candidates often exceed them, and they would displace more
+        // important ones.
         std::erase_if(indices, [&](std::size_t k) { return std::min(all_.wl[k].z, all_.wv[k].z) < k_brink_cosine; });
         added[i] = thin_out(std::move(indices), k_most_added);
         loss[i] = polish.loss(pack(lobes));

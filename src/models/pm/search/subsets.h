@@ -8,12 +8,12 @@ namespace SRBF_NAMESPACE {
 
 inline constexpr std::size_t k_search_pairs = 2048, k_selection_pairs = 4096, k_polish_pairs = 16384;
 
-/// Which first pairs are rows: those of a search with many candidates, more afterwards, more in the polish, or all.
+/// The first pairs that are rows: few in a search with many candidates, more afterwards, more in the polish, or all.
 /// Pictures are observed beside `selection` and `all`. A quick fit, with fewer observations than another's polish,
 /// uses `selection` instead of `search`, because its first candidates are its only ones.
 enum class Pairs { search, selection, polish, all };
 
-/// The terms of a loss other than that of the pairs.
+/// The terms of a loss besides the pairs.
 struct FurtherTerms {
     bool albedos = true;
     double pictures = 0;  ///< see RowOptions::picture_importance
@@ -26,8 +26,8 @@ class Subsets {
     /// Keeps a reference to `observations`, which must outlive it.
     explicit Subsets(const Observations& observations, std::size_t search_pairs = k_search_pairs);
 
-    /// Evaluates the candidates at the other observations. Adds those at which they exceed the measurement, and
-    /// updates the loss to which the weight of integrals is relative.
+    /// Evaluates the candidates at the other observations, and adds the observations at which they exceed the
+    /// measurement. Updates the loss to which the weight of integrals is relative.
     void add_exceeded_pairs(const std::vector<Candidate>& candidates, const LobeShape& shape);
 
     Rows rows(Pairs pairs, const FurtherTerms& terms) const;

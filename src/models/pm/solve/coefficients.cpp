@@ -19,7 +19,7 @@ bool are_equal_columns(const Eigen::MatrixXd& x) { return (x.colwise() - x.col(0
 void Coefficients::fit(const Eigen::MatrixXd& products, const PixelTerm* pixels) {
     const Eigen::Index J = limit.rows(), C = limit.cols();
     gram = products.topLeftCorner(J, J);
-    // With pixels, the coefficients of the last call are a better start than those of the pairs alone.
+    // With pixels, the coefficients of the last call are a better start than the coefficients for the pairs alone.
     if (!pixels || beta.rows() != J || beta.cols() != C) {
         beta.resize(J, C);
         for (Eigen::Index c = 0; c < C; ++c)
@@ -38,7 +38,7 @@ void Coefficients::fit_to_pixels(const Eigen::MatrixXd& products, const PixelTer
         const Eigen::VectorXd current = beta.reshaped();
         Eigen::VectorXd direction =
             bounded_least_squares(terms.H, terms.H * current - terms.g, limit.reshaped()) - current;
-        // The colours of pixels treat channels differently; those of grey data have the mean of their steps.
+        // The colours of pixels treat channels differently; channels of grey data have the mean of their steps.
         if (are_equal_columns(products.topRightCorner(J, C)))
             direction = direction.reshaped(J, C).rowwise().mean().replicate(1, C).reshaped().eval();
         const double predicted = -2 * direction.dot(terms.g) - direction.dot(terms.H * direction);

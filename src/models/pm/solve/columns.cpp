@@ -35,11 +35,12 @@ HWY_INLINE void add_weighted(std::span<const float> weight, std::span<const floa
 }
 HWY_INLINE Batch zero(std::size_t) { return Batch(0.0); }
 
-// x, or 0 where |x| < least, in the same way on every processor. On Intel processors a product that is subnormal takes a
-// hundred times as long, and the tails of lobes have many of them: a fit took five times as long.
+// x, or 0 where |x| < least, in the same way on every processor. On Intel processors a product that is subnormal takes
+// a hundred times as long, and the tails of lobes have many of them: a fit took five times as long.
 HWY_INLINE Batch at_least(double least, Batch x) { return select(Batch(hn::Abs(x.v)) < Batch(least), Batch(0.0), x); }
 HWY_INLINE Batch without_subnormals(Batch x) { return at_least(0x1p-126, x); }
-// Smaller values of lobes are 0, so that the product of two is not subnormal if it is multiplied by k_lift, which is exact.
+// Smaller values of lobes are 0, so that the product of two is not subnormal if it is multiplied by k_lift, which is
+// exact.
 constexpr double k_least_lobe = 0x1p-93, k_lift = 0x1p60;
 
 float exponent(std::span<const float> weight, std::span<const float* const> s, const float* root_weight, float* x,

@@ -54,7 +54,7 @@ class DerivativeGram {
     const Eigen::VectorXd& x_;
     const Aligned<float>& residuals_;
     AngleColumns columns_;
-    Eigen::Index J_, N_, W_, channels_, S_;  ///< as in LobeShape; S: number of columns for each angle
+    Eigen::Index J_, N_, W_, channels_, S_;  ///< the sizes of LobeShape; S: number of columns for each angle
     Eigen::MatrixXd G_;
 };
 

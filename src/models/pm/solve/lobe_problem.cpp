@@ -59,7 +59,7 @@ Eigen::MatrixXd LobeProblem::products_with_data() {
 }
 
 void LobeProblem::limit_coefficients(const Eigen::VectorXd& x) {
-    constexpr double k_largest_exponent = 700;  // of a finite number
+    constexpr double k_largest_exponent = 700;  // exp of it is finite
     const Lobes lobes = unpack(x, shape_);
     Eigen::VectorXd limit(basis_.count());
     for (int j = 0; j < limit.size(); ++j)
@@ -165,7 +165,7 @@ Eigen::MatrixXd LobeProblem::derivatives_with_lobes(const DerivativeGram& sums, 
 // lobes, whose coefficients adapt, and r is the residual. The coefficient must not be negative.
 Eigen::VectorXd LobeProblem::gains(const std::vector<std::vector<double>>& candidates) {
     constexpr std::size_t k_group = 16;  // the values of this many candidates on all blocks fit in the cache
-    constexpr double k_nothing = 1e-60, k_least_orthogonal = 1e-4;  // of |e|²: smaller fractions are float noise
+    constexpr double k_nothing = 1e-60, k_least_orthogonal = 1e-4;  // less of |e|² is float noise
     const Eigen::LDLT<Eigen::MatrixXd> factor(with_ridge(gram()));
     Eigen::VectorXd gains = Eigen::VectorXd::Constant(Eigen::Index(candidates.size()), -1);
     for (std::size_t first = 0; first < candidates.size(); first += k_group) {

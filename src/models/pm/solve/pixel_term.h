@@ -15,7 +15,7 @@ struct CoefficientTerms {
     Eigen::MatrixXd H, across;       ///< the Hessian; the mixed derivatives by variables and coefficients
     Eigen::VectorXd g;               ///< half the gradient
     std::vector<Eigen::Index> free;  ///< indices of coefficients strictly between their bounds
-    /// Changes the variables' Hessian and gradient to those of a sum to which the free coefficients adapt.
+    /// Changes the variables' Hessian and gradient to the derivatives of a sum to which the free coefficients adapt.
     void eliminate(Eigen::MatrixXd& H_x, Eigen::VectorXd& g_x) const;
 };
 

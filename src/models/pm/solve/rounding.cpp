@@ -75,7 +75,7 @@ struct SecondOrder {
         Eigen::VectorXd current = x;
         Eigen::MatrixXd damped = H;
         damped.diagonal() += damping * H.diagonal().cwiseMax(1e-8 * H.diagonal().maxCoeff());
-        // How the variables that may still move follow when one of them is moved.
+        // The change of the variables that may still move, per change of one of them.
         Eigen::MatrixXd inverse = damped.ldlt().solve(Eigen::MatrixXd::Identity(x.size(), x.size()));
         const auto round = [&](Eigen::Index first, Eigen::Index count) {
             const Eigen::VectorXd error = (pack(round_to_halves(current, shape)) - current).segment(first, count);
@@ -98,7 +98,7 @@ struct SecondOrder {
 PmModel to_model(const LobeProblem& problem, const Lobes& lobes, const std::vector<float>& wavelengths) {
     constexpr double k_unused = 1e-30;
     PmModel model = without_coefficients(lobes);
-    std::vector<double> largest, log_peak;  // of all channels; −∞: the lobe is not used
+    std::vector<double> largest, log_peak;  // maxima over channels; −∞: the lobe is not used
     for (int j = 0; j < model.lobes; ++j) {
         largest.push_back(problem.beta().row(j).maxCoeff());
         log_peak.push_back(elementary::log(largest.back()) + problem.log_unit(lobes, j));

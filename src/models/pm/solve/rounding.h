@@ -12,8 +12,8 @@ Parameterization rounded_direction(double angle);
 PmModel without_coefficients(const Lobes& lobes);
 
 /// The model of these lobes with the coefficients of the problem's last call of `loss`. Lobes of form
-/// gaussian have log scales if the coefficient of one leaves the normal range of 16-bit floats. `wavelengths` are those
-/// of the problem's channels; if empty, the channels are R, G, B.
+/// gaussian have log scales if the coefficient of one leaves the normal range of 16-bit floats. `wavelengths` belong to
+/// the problem's channels; if empty, these are R, G, B.
 PmModel to_model(const LobeProblem& problem, const Lobes& lobes, const std::vector<float>& wavelengths = {});
 
 /// Rounds every number of `model`, whose lobes are `lobes`, to a 16-bit float.

@@ -42,7 +42,7 @@ struct Rows {
     };
     /// Each view has `view_rows` rows, a power of two from k_row_multiple to k_block.
     std::size_t views = 0, view_rows = 0;
-    std::vector<Pixel> pixel;              ///< in the order of the views
+    std::vector<Pixel> pixel;              ///< pixels in the order of the views
     std::vector<std::size_t> first_pixel;  ///< index of each view's first pixel, then the number of pixels
     Aligned<float> light;
     Pixels pixels;
@@ -56,7 +56,7 @@ struct Rows {
     /// of pairs, the blocks of one integral, or one block of views.
     static constexpr std::size_t k_chunk = 8;
     std::size_t chunks_of_pairs() const { return (blocks + k_chunk - 1) / k_chunk; }
-    std::size_t chunks() const { return chunks_of_pairs() + integrals; }  ///< of pairs and integrals
+    std::size_t chunks() const { return chunks_of_pairs() + integrals; }  ///< number of chunks of pairs and integrals
     std::size_t total_chunks() const { return chunks() + total_blocks() - first_view_block(); }
     bool is_integral(std::size_t block) const { return block >= blocks; }
     /// Calls body(chunk, begin, end) for the blocks of the first `count` chunks.
@@ -74,8 +74,7 @@ struct Rows {
 
   private:
     void add_views(const std::vector<ObservedView>& views);
-    /// Fills row i for these directions. `factor` is √w, or its replacement in a sum; f(c) is the value of channel
-    /// c.
+    /// Fills row i for these directions. `factor` is √w, or its replacement in a sum; f(c) is the value of channel c.
     template <typename Value> void set(std::size_t i, Vec3f l, Vec3f v, double factor, const Value& f);
 };
 
@@ -87,8 +86,8 @@ Eigen::MatrixXd products_of_columns(const Rows& rows, std::size_t count, bool pa
 
 // Arrays hold k_block numbers and are aligned for SIMD; the first `rows_in` of the block are computed.
 
-/// For the rows of a block and ψ of (a, b): s = −|ψ−ẑ|²/2 = ψ_z − 1 and its derivative with respect to the angle.
-/// Unless `axial`, s holds ψ_x, ψ_y and ψ_z − 1 one after the other, likewise their derivatives: 3 × k_block
+/// Computes, for the rows of a block and ψ of (a, b), s = −|ψ−ẑ|²/2 = ψ_z − 1 and its derivative by the angle of (a,
+/// b). Unless `axial`, s holds ψ_x, ψ_y and ψ_z − 1 one after the other, likewise their derivatives: 3 × k_block
 /// numbers each. On side 1 light and viewer are exchanged.
 void variate_features(const Rows& rows, std::size_t block, int side, float a, float b, bool axial, float* s,
                       float* s_by_angle);

@@ -1,0 +1,89 @@
+#include "fit/fitted_data.h"
+
+#include "brdf/values.h"
+#include "fit/cross_validated_fits.h"
+#include "measured/tables.h"
+
+namespace SRBF_NAMESPACE {
+namespace {
+
+constexpr double k_smoothed = 0.5;  ///< approximate share of the time of a fit to a noisy table until it is smoothed
+
+}  // namespace
+
+FittedData::FittedData(Evaluate f, const Measured* measured)
+    : measured_(measured), signed_(std::move(f)), values_(non_negative(signed_)) {}
+
+const ScatteredSamples* FittedData::samples() const {
+    return measured_ ? std::get_if<ScatteredSamples>(&measured_->table) : nullptr;
+}
+
+bool FittedData::fits_mean(const FitRequest& request) const {
+    const auto* pm = std::get_if<PmRequest>(&request.model);
+    return pm && is_reciprocal(pm->form.value_or(samples() ? PmForm::extended : k_default_form));
+}
+
+bool FittedData::looks_isotropic(const FitRequest& request) {
+    const auto [at, is_new] = isotropic_.try_emplace(request.theta());
+    if (is_new) at->second = is_isotropic(signed_, request.theta(), noise_ ? noise_->deviation : Rgb{});
+    return at->second;
+}
+
+bool FittedData::is_isotropic_with(const Model& fitted) const {
+    return measured_ && is_isotropic(*measured_) && is_isotropic(fitted);
+}
+
+Result<ProgressToken> FittedData::smooth(const FitRequest& request, const ProgressToken& progress) {
+    if (!noise_) noise_ = noise_of(signed_);
+    if (!is_noisy(*noise_) || smoothed_) return progress;
+    auto values = smoothed(signed_, *noise_, looks_isotropic(request), request.threads, progress.part(0, k_smoothed));
+    if (!values) return values.error();
+    smoothed_ = *std::move(values);
+    return progress.part(k_smoothed, 1);
+}
+
+FittedData::Key FittedData::key(const FitRequest& request) const {
+    return {request.objective,
+            request.theta(),
+            request.seed,
+            request.spectral,
+            samples() && std::holds_alternative<PmRequest>(request.model),
+            fits_mean(request)};
+}
+
+Result<const Observations*> FittedData::observations(const FitRequest& request, const ProgressToken& progress) {
+    if (const auto at = observations_.find(key(request)); at != observations_.end()) return &at->second;
+    const auto fitted = [&](const Evaluate& f) { return f && fits_mean(request) ? reciprocal_mean(f) : f; };
+    auto observed = observe(fitted(signed_),
+                            {.objective = request.objective,
+                             .max_theta = request.theta(),
+                             .seed = request.seed,
+                             .threads = request.threads,
+                             .smoothed = fitted(smoothed_),
+                             .noise = noise_ ? largest_share(*noise_) : 0},
+                            progress);
+    if (!observed) return observed.error();
+    if (request.spectral) {
+        Channels spectra = signed_spectra(*measured_);
+        observe_spectra(*observed, fits_mean(request) ? reciprocal_mean(std::move(spectra)) : spectra);
+    }
+    return &observations_.emplace(key(request), *std::move(observed)).first->second;
+}
+
+Result<const SampleObservations*> FittedData::sample_observations(const FitRequest& request,
+                                                                  const ProgressToken& progress) {
+    if (const auto at = sample_observations_.find(key(request)); at != sample_observations_.end()) return &at->second;
+    auto observed = observe(*samples(), observe_options(request), progress);
+    if (!observed) return observed.error();
+    return &sample_observations_.emplace(key(request), *std::move(observed)).first->second;
+}
+
+Result<Evaluate> FittedData::gap_filled(const FitRequest& request) const {
+    const auto at = sample_observations_.find(key(request));
+    if (at != sample_observations_.end() && at->second.gap_filled) return evaluator(*at->second.gap_filled);
+    auto filled = fill_gaps(*samples(), request.theta(), request.threads);
+    if (!filled) return filled.error();
+    return evaluator(*std::move(filled));
+}
+
+}  // namespace srbf

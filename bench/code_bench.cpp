@@ -117,9 +117,10 @@ void add_model(const std::string& name, const Model& model, const TemporaryFolde
     static std::vector<PreparedBrdf> prepared;
     prepared.reserve(2), prepared.push_back(prepare(model, ProposeOptions{}));
     const NamedModel named{"m", &model};
-    write(folder / "m.h", *shading_code(std::span(&named, 1), "m", {.language = CodeLanguage::c, .sampling = true}));
+    write_text(folder / "m.h",
+               *shading_code(std::span(&named, 1), "m", {.language = CodeLanguage::c, .sampling = true}));
     if (!save_model(model, (folder / "m.srbf").string())) std::abort();
-    const std::string bytes = contents(folder / "m.srbf");
+    const std::string bytes = read_text(folder / "m.srbf");
     std::vector<std::pair<std::string, void*>> libraries;
     for (const std::string compiler : {"gcc", "clang"})
         for (const std::string options : {"-O2", "-O2 -march=x86-64-v3"})
@@ -168,8 +169,8 @@ template <typename B> void add_library(const std::string& name, const B& brdf) {
 
 const bool k_registered = [] {
     const TemporaryFolder folder;
-    write(folder / "srbf_runtime.h", runtime_code());
-    write(folder / "runtime.c", k_runtime), write(folder / "code.c", k_code);
+    write_text(folder / "srbf_runtime.h", runtime_code());
+    write_text(folder / "runtime.c", k_runtime), write_text(folder / "code.c", k_code);
     const Measured film = *load_measured(SRBF_SOURCE_DIR "/data/cc_ibiza_sunset_rgb.bsdf");
     add_model("default", fit(film, {})->model, folder);
     const Model as_measured = fit(film, {.model = PmRequest{.form = PmForm::extended}})->model;

@@ -27,7 +27,7 @@ import numpy as np
 mi.set_variant("scalar_rgb")
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "test"))
-import seen  # noqa: E402
+from support import visible_error  # noqa: E402
 
 SIZE, PATHS, RUNS = 256, 16, 5
 EQUAL, CONVERGED, DARKEST = 8, 64, 40  # of a picture: paths of `measured`, runs without visible noise, the ΔE_ITP that is drawn black
@@ -106,7 +106,7 @@ def draw_equal_time(materials, to):
     seconds = np.array([[took for took, _ in run] for run in runs]).min(0)
     converged = np.mean([[picture for _, picture in run] for run in runs], axis=0)[..., :4]
     file, font = converged[0, ..., :3], ImageFont.load_default(15)
-    exposed = seen.exposure(file.reshape(-1, 3))
+    exposed = visible_error.exposure(file.reshape(-1, 3))
     sheet = Image.new("RGB", (SIZE * len(chosen), 2 * (SIZE + 44)), "white")
 
     def add(column, row, pixels, text):
@@ -117,11 +117,11 @@ def draw_equal_time(materials, to):
         paths = round(EQUAL * seconds[0] / seconds[i])
         noisy = drawn(scenes[i], CONVERGED, paths)[1][..., :4]
         noise = np.sqrt(((noisy / converged[i] - 1)[..., 3] ** 2).mean())
-        add(i, 0, seen.displayed(noisy[..., :3], exposed), f"{label}:\n{paths} paths in equal time, noise {100 * noise:.0f} %")
-        apart = np.linalg.norm(np.subtract(*(seen.itp(np.clip(exposed * picture, 0, 1)) for picture in (converged[i, ..., :3], file))), axis=-1)
+        add(i, 0, visible_error.displayed(noisy[..., :3], exposed), f"{label}:\n{paths} paths in equal time, noise {100 * noise:.0f} %")
+        apart = np.linalg.norm(np.subtract(*(visible_error.itp(np.clip(exposed * picture, 0, 1)) for picture in (converged[i, ..., :3], file))), axis=-1)
         print(f"{label}: {1e6 * seconds[i] / (SIZE * SIZE * PATHS):.2f} us, {paths} paths, noise {noise:.3f}, visible error {apart.mean():.1f}", flush=True)
         grey = np.repeat(255 - 255 * np.minimum(apart / DARKEST, 1), 3).reshape(SIZE, SIZE, 3).astype(np.uint8)
-        add(i, 1, grey if i else seen.displayed(file, exposed),
+        add(i, 1, grey if i else visible_error.displayed(file, exposed),
             f"its visible error without noise:\nmean {apart.mean():.1f}, black {DARKEST} or more" if i else f"measured, after\n{CONVERGED * PATHS} paths: almost no noise")
     sheet.save(to, quality=50, optimize=True)
 

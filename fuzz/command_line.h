@@ -5,6 +5,7 @@
 #include <map>
 #include <span>
 
+#include "base/text.h"
 #include "in_process.h"
 #include "srbf/model.h"
 
@@ -26,12 +27,12 @@ class CommandFolder {
         pm.lobes = pm.variates = 1, pm.axial = true;
         pm.coefficient = {{0.3f, 0.2f, 0.1f}}, pm.centre = {{0, 0, 1}}, pm.bandwidth = {8};
         pm.parameterization = {{1, 1}}, pm.log_scale = {0}, pm.exponent.resize(std::size_t(features(pm.form)));
-        add("m.srbf", text_of(write_model({pm, {}})));
-        add("g.srbf", text_of(write_model({GgxModel{{0.1f, 0.1f, 0.1f}, {{0.4f, {0.5f, 0.5f, 0.5f}, 1}}}, {}})));
+        add("m.srbf", as_text(write_model({pm, {}})));
+        add("g.srbf", as_text(write_model({GgxModel{{0.1f, 0.1f, 0.1f}, {{0.4f, {0.5f, 0.5f, 0.5f}, 1}}}, {}})));
         const std::string head = "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 1, 3), }\n";
         add("t.npy", "\x93NUMPY" + std::string("\1\0", 2) + char(head.size()) + '\0' + head + std::string(12, '\0'));
     }
-    const std::filesystem::path& path() const { return folder_.path(); }
+    const std::filesystem::path& path() const { return folder_.path; }
     /// The names of new files.
     std::vector<std::string> outputs() const {
         std::vector<std::string> names;
@@ -44,9 +45,9 @@ class CommandFolder {
     void check_inputs(const std::vector<std::string>& words) const {
         for (const auto& [name, text] : files_) {
             const auto file = path() / name;
-            if (bytes_of(file) == text) continue;
+            if (read_text(file) == text) continue;
             require(std::ranges::count(words, name) == 1, "inputs are left as they are");
-            std::ofstream(file, std::ios::binary) << text;
+            write_text(file, text);
         }
     }
     void remove_outputs() const {
@@ -56,15 +57,12 @@ class CommandFolder {
     }
 
   private:
-    void add(const std::string& name, const std::string& text) {
-        std::ofstream(path() / name, std::ios::binary) << text;
+    void add(const std::string& name, std::string_view text) {
+        write_text(path() / name, text);
         files_[name] = text;
     }
-    static std::string text_of(const std::vector<std::byte>& bytes) {
-        return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-    }
 
-    FuzzFolder folder_;
+    TemporaryFolder folder_;
     std::map<std::string, std::string> files_;
 };
 

@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "../test/support/temporary_folder.h"
 #include "app/commands.h"
 
 namespace srbf {
@@ -26,29 +27,6 @@ inline void require(bool holds, std::string_view promise) {
     std::abort();
 }
 
-inline std::string bytes_of(const std::filesystem::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
-/// A temporary folder, which the destructor removes.
-class FuzzFolder {
-  public:
-    FuzzFolder() {
-        std::string pattern = (std::filesystem::temp_directory_path() / "srbf-fuzz-XXXXXX").string();
-        require(::mkdtemp(pattern.data()) != nullptr, "a folder for files");
-        path_ = pattern;
-    }
-    ~FuzzFolder() { std::filesystem::remove_all(path_); }
-    FuzzFolder(const FuzzFolder&) = delete;
-    FuzzFolder& operator=(const FuzzFolder&) = delete;
-
-    const std::filesystem::path& path() const { return path_; }
-
-  private:
-    std::filesystem::path path_;
-};
-
 /// Discards standard output, and redirects standard error to a file, until `end`.
 class OutputCapture {
   public:
@@ -59,7 +37,7 @@ class OutputCapture {
         std::fflush(stdout), std::fflush(stderr);
         ::dup2(out_, 1), ::dup2(error_, 2);
         ::close(out_), ::close(error_);
-        return bytes_of(file_);
+        return read_text(file_);
     }
 
   private:

@@ -278,16 +278,16 @@ inline Uses uses_of_measurements() {
 /// Prepares, evaluates and samples the BRDF of a file, and runs commands of the program on it: all quick ones and a
 /// slow one, or in a fuzzer a single one. The sum of the bytes chooses.
 inline void check_uses(std::span<const std::byte> bytes) {
-    static const FuzzFolder folder;
+    static const TemporaryFolder folder;
     static const Uses model_uses = uses_of_models(), measurement_uses = uses_of_measurements();
     const auto write = [](const char* name, std::span<const std::byte> content) {
-        std::ofstream(folder.path() / name, std::ios::binary)
+        std::ofstream(folder.path / name, std::ios::binary)
             .write(reinterpret_cast<const char*>(content.data()), std::streamsize(content.size()));
     };
     std::size_t sum = 0;
     for (const std::byte b : bytes) sum += std::size_t(b);
     write("in", bytes);
-    const std::string path = (folder.path() / "in").string();
+    const std::string path = (folder.path / "in").string();
     bool is_model = true;
     std::string name = "in";
     auto brdf = load_brdf(path);
@@ -307,12 +307,12 @@ inline void check_uses(std::span<const std::byte> bytes) {
         for (const std::string& word : use.words) words.push_back(word == "in" ? name : word);
         const std::string out = "out" + use.extension;
         if (use.words[0] != "info") words.insert(words.end(), {"-o", out});
-        const InProcess done = run_in_process(folder.path(), words);
-        const std::string line = fmt::format("{}: ", fmt::join(words, " ")), text = bytes_of(folder.path() / out);
+        const InProcess done = run_in_process(folder.path, words);
+        const std::string line = fmt::format("{}: ", fmt::join(words, " ")), text = read_text(folder.path / out);
         require(done.status != k_usage, line + "only a file is wrong");
         require(done.status == k_done || text.empty(), line + "an error writes nothing");
         require(!has_bad_number(text), line + "numbers are finite");
-        std::filesystem::remove(folder.path() / out);
+        std::filesystem::remove(folder.path / out);
     };
 #ifdef SRBF_FUZZ_TARGET  // A fuzzer should try many files.
     const std::size_t chosen = sum / 8 % (uses.quick.size() + uses.slow.size());
@@ -321,7 +321,7 @@ inline void check_uses(std::span<const std::byte> bytes) {
     for (const Use& use : uses.quick) run(use);
     run(uses.slow[sum / 8 % uses.slow.size()]);
 #endif
-    for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path))
         std::filesystem::remove_all(entry.path());
 }
 

@@ -13,7 +13,7 @@ import numpy as np
 import sized_brdfs
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "test"))
-from seen import C1, C2, C3, M1, M2, TO_2020, TO_ITP, TO_LMS  # noqa: E402
+from support.visible_error import C1, C2, C3, M1, M2, TO_2020, TO_ITP, TO_LMS  # noqa: E402
 
 MAX_THETA = 89  # [degrees]
 VIEWS, POINTS, ALBEDO_POINTS = 100, 112, 455
@@ -94,7 +94,7 @@ def albedo(k):
 
 
 def itp(colour):
-    """The values of `seen.itp` for linear sRGB [n, 3], and their derivatives [n, 3, 3]."""
+    """The values of `visible_error.itp` for linear sRGB [n, 3], and their derivatives [n, 3, 3]."""
     to_lms = TO_LMS @ TO_2020
     luminance = np.maximum(colour @ to_lms.T, 1e-9) / 100
     y = luminance ** M1

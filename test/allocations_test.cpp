@@ -35,7 +35,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Lets allocation number `at` of `action` fail. True if it makes as many.
+/// Makes allocation number `at` of `action` fail. Returns true if it makes so many.
 template <typename Action> bool fails(std::size_t at, const Action& action) {
     allocations = 0, fails_at = at;
     action();
@@ -46,12 +46,12 @@ template <typename Action> bool fails(std::size_t at, const Action& action) {
 /// Trying every allocation takes quadratic time: after the first ones, only every k_step-th fails.
 constexpr std::size_t k_step = 61;
 
-TEST(Allocations, ThatFailEndAReader) {
+TEST(Allocations, FailuresEndAReader) {
     const auto folders = corpora();
     for (const NamedTarget& target : all_targets()) {
         if (target.name == "uses") continue;  // this target runs the program, not a reader
         for (const auto& entry : fs::directory_iterator(folders.at(target.name))) {
-            const std::string bytes = contents(entry.path());
+            const std::string bytes = read_text(entry.path());
             const auto file = std::as_bytes(std::span(bytes));
             const auto read = [&] {
                 try {
@@ -73,7 +73,7 @@ TEST(Allocations, ThatFailEndAReader) {
     }
 }
 
-TEST(Allocations, AreNotMadeByABlackBrdf) {
+TEST(Allocations, ABlackBrdfMakesNone) {
     allocations = 0;
     const PreparedBrdf black, copy = black;
     const float weight = sample(copy, {0, 0, 1}, {0.5f, 0.5f}, 0.5f).weight.g,
@@ -83,7 +83,7 @@ TEST(Allocations, AreNotMadeByABlackBrdf) {
     EXPECT_EQ(weight + density + reflected, 0);
 }
 
-TEST(Allocations, ThatFailAreErrorsThatNameTheFile) {
+TEST(Allocations, FailuresAreErrorsThatNameTheFile) {
     for (const char* name :
          {"measured/rgl_simple", "measured/csv_vectors", "measured/merl_small", "measured/csv_both_sides"}) {
         const std::string path = (fs::path(SRBF_SOURCE_DIR) / "fuzz" / "corpus" / name).string();

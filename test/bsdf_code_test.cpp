@@ -11,11 +11,11 @@
 namespace srbf::bsdf_code_test {
 namespace {
 
-using BsdfCode = WrittenCode;
+using BsdfCode = CodeTest;
 
 /// Returns BSDFs with parts of their own, with parts that their counterparts answer for, and with one that is 0.
 std::vector<Model> bsdfs() {
-    std::vector<Model> all(3, Model{full_bsdf(), {}});
+    std::vector<Model> all(3, Model{lobe_bsdf_with_beams(), {}});
     auto& shared = std::get<BsdfModel>(all[1].model);
     shared.part[1].reset(), shared.part[3].reset();
     shared.beam = {};
@@ -79,9 +79,9 @@ void expect_values(const Answer& answer, const Model& model, std::mt19937_64& ra
         const Part through_part = wv.z > 0 ? Part::transmission_back : Part::transmission_front,
                    mirror_part = wv.z > 0 ? Part::reflection_front : Part::reflection_back;
         for (int c = 0; c < 3; ++c) {
-            ASSERT_PRED3(near, f[c], expected[c], 1e-4 * double(expected[c]) + 1e-6);
-            ASSERT_PRED3(near, through[c], share_at(beams, through_part, from)[c], 1e-4);
-            ASSERT_PRED3(near, of_mirror[c], share_at(beams, mirror_part, from)[c], 1e-4);
+            ASSERT_WITHIN(f[c], expected[c], 1e-4 * double(expected[c]) + 1e-6);
+            ASSERT_WITHIN(through[c], share_at(beams, through_part, from)[c], 1e-4);
+            ASSERT_WITHIN(of_mirror[c], share_at(beams, mirror_part, from)[c], 1e-4);
         }
     }
     const Vec3f in_surface{1, 0, 0}, up{0, 0, 1};
@@ -98,7 +98,8 @@ double sum_of(const std::vector<double>& numbers) {
 /// The density integrates to 1 with the draws that have no direction, draws follow it, and their weights are unbiased.
 void expect_draws(const Answer& answer, const Model& model, Vec3f wv, std::mt19937_64& random) {
     const PolarBins bins{{0, 0, 1}, {0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6, 1.8, 1.9, 2}};
-    std::vector<double> expected = bins.masses([&](Vec3d w) { return double(answer(density, to_float(w), wv).r); }, 48);
+    std::vector<double> expected =
+        bins.integrals([&](Vec3d w) { return double(answer(density, to_float(w), wv).r); }, 48);
     std::vector<double> observed(bins.size());
     constexpr int count = 50000;
     int lost = 0;
@@ -118,21 +119,21 @@ void expect_draws(const Answer& answer, const Model& model, Vec3f wv, std::mt199
         sum += weight, squares += weight * weight;
     }
     const double mass = sum_of(expected), seen = sum_of(observed);
-    EXPECT_PRED3(near, mass + double(lost) / count, 1, 7e-3);
+    EXPECT_WITHIN(mass + double(lost) / count, 1, 7e-3);
     for (double& each : expected) each *= seen / mass;
     EXPECT_GT(chi2_p_value(observed, expected), sidak(0.01, 12));
     const double whole =
-        sum_of(bins.masses([&](Vec3d w) { return double(value(model, to_float(w), wv).g) * std::abs(w.z); }, 48));
+        sum_of(bins.integrals([&](Vec3d w) { return double(value(model, to_float(w), wv).g) * std::abs(w.z); }, 48));
     const double mean = sum / count, deviation = std::sqrt((squares / count - mean * mean) / count);
-    EXPECT_PRED3(near, mean, whole, 4 * deviation + 3e-3 * whole);
+    EXPECT_WITHIN(mean, whole, 4 * deviation + 3e-3 * whole);
 }
 
 /// On both sides of a BSDF, values and beams are the library's, and samples follow their density.
 TEST_F(BsdfCode, AnswersAsTheLibrary) {
     const std::vector<Model> all = bsdfs();
-    void* const library =
-        compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Wno-unused-function -Werror",
-                 "both", code_of_bsdfs(all, CodeLanguage::c, true) + k_answer_text);
+    void* const library = compile_and_load(
+        SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Wno-unused-function -Werror", "both",
+        code_of_bsdfs(all, CodeLanguage::c, true) + k_answer_text);
     ASSERT_TRUE(library);
     const auto called = function<void(int, int, const float*, const float*, float*)>(library, "answer");
     std::mt19937_64 random(7);

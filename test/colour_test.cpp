@@ -14,18 +14,18 @@ std::vector<float> every(float step, float first = 400, float last = 700) {
 TEST(Colour, WhiteReflectorIsWhite) {
     // Values of ASTM E308 for 5 nm.
     const Xyz white = white_point();
-    EXPECT_PRED3(near, white.x, 0.95047, 2e-4);
-    EXPECT_PRED3(near, white.y, 1, 1e-12);
-    EXPECT_PRED3(near, white.z, 1.08883, 2e-4);
+    EXPECT_WITHIN(white.x, 0.95047, 2e-4);
+    EXPECT_WITHIN(white.y, 1, 1e-12);
+    EXPECT_WITHIN(white.z, 1.08883, 2e-4);
     for (const auto& nm :
          {every(10), every(5, 360, 830), every(1, 380, 780), std::vector<float>{550}, every(37, 300, 1100)}) {
         Rgb sum;
         for (const Rgb& weight : rgb_weights(nm))
             for (int c = 0; c < 3; ++c) sum[c] += weight[c];
-        for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, sum[c], 1, 3e-6);
+        for (int c = 0; c < 3; ++c) EXPECT_WITHIN(sum[c], 1, 3e-6);
     }
     const Rgb rgb = to_rgb(white);
-    for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, rgb[c], 1, 1e-6);
+    for (int c = 0; c < 3; ++c) EXPECT_WITHIN(rgb[c], 1, 1e-6);
 }
 
 TEST(Colour, PrimariesAreThoseOfSrgb) {
@@ -58,7 +58,7 @@ TEST(Colour, SmoothSpectraDoNotDependOnTheirSampling) {
         return to_rgb(spectrum, rgb_weights(nm));
     };
     const Rgb fine = colour_of(every(1, 360, 830)), coarse = colour_of(every(5, 360, 830));
-    for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, coarse[c], fine[c], 1e-3);
+    for (int c = 0; c < 3; ++c) EXPECT_WITHIN(coarse[c], fine[c], 1e-3);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ TEST(Corpus, KeepsThePromisesOfEachTarget) {
         const std::filesystem::path& folder = folders.at(target.name);
         int files = 0;
         for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-            const std::string bytes = contents(entry.path());
+            const std::string bytes = read_text(entry.path());
             // A copy of just this size, so that reading past its end is seen.
             const std::vector<char> copy(bytes.begin(), bytes.end());
             target.check(std::as_bytes(std::span(copy)));

@@ -18,20 +18,20 @@ TEST(Fibonacci, DirectionsMatchTheFormula) {
                 const Vec3d w = fibonacci_direction(i, n, theta_max);
                 const double z = (i + 0.5) / n * (1 - std::cos(theta_max)) + std::cos(theta_max);
                 const double phi = i * k_pi * (3 - std::sqrt(5.0)), r = std::sqrt(1 - z * z);
-                EXPECT_TRUE(near(w.x, r * std::cos(phi), 1e-12));
-                EXPECT_TRUE(near(w.y, r * std::sin(phi), 1e-12));
-                EXPECT_TRUE(near(w.z, z, 1e-15));
-                EXPECT_TRUE(near(dot(w, w), 1, 1e-15));
+                EXPECT_WITHIN(w.x, r * std::cos(phi), 1e-12);
+                EXPECT_WITHIN(w.y, r * std::sin(phi), 1e-12);
+                EXPECT_WITHIN(w.z, z, 1e-15);
+                EXPECT_WITHIN(dot(w, w), 1, 1e-15);
                 EXPECT_GE(w.z, std::cos(theta_max));
                 EXPECT_EQ(all[std::size_t(i)], to_float(w));
                 mean += w.z / n;
             }
-            EXPECT_TRUE(near(mean, 0.5 * (1 + std::cos(theta_max)), 1e-12));
+            EXPECT_WITHIN(mean, 0.5 * (1 + std::cos(theta_max)), 1e-12);
         }
     }
 }
 
-TEST(Uniform, IsEvenAndBelowOne) {
+TEST(Uniform, IsUniformAndBelowOne) {
     std::mt19937_64 random(2);
     std::vector<double> observed(64);
     for (int i = 0; i < 64000; ++i) {
@@ -61,8 +61,9 @@ TEST(MirrorMixture, DensityIntegratesToOneOverTheSphere) {
         for (const double view : k_views) {
             const Vec3d wv = spherical(view, 2.0);
             double sum = 0;
-            for (const double m : bins_about(mirror(wv)).masses([&](Vec3d w) { return mixture.pdf(w, wv); })) sum += m;
-            EXPECT_TRUE(near(sum, 1, 2e-3)) << theta_max << ' ' << view;
+            for (const double m : bins_about(mirror(wv)).integrals([&](Vec3d w) { return mixture.pdf(w, wv); }))
+                sum += m;
+            EXPECT_WITHIN(sum, 1, 2e-3) << theta_max << ' ' << view;
         }
     }
 }
@@ -84,7 +85,7 @@ TEST(MirrorMixture, SamplesFollowTheDensity) {
     }
 }
 
-TEST(Nearest, AreThoseThatTryingAllFinds) {
+TEST(Nearest, AgreesWithASearchOfAllDirections) {
     std::mt19937_64 random(5);
     for (const int n : {8, 9, 100, 1536}) {
         const auto set = fibonacci_directions(n, k_pi / 2);
@@ -116,7 +117,7 @@ TEST(DirectionMaps, ATexelHoldsItsCentre) {
             std::vector<Vec3f> seen;
             for (std::size_t texel = 0; texel < texels(map, size); ++texel) {
                 const Vec3f w = texel_direction(map, size, texel);
-                EXPECT_TRUE(near(double(dot(w, w)), 1, 1e-6));
+                EXPECT_WITHIN(double(dot(w, w)), 1, 1e-6);
                 EXPECT_EQ(texel_of(map, size, w), texel) << size;
             }
         }

@@ -86,25 +86,26 @@ TEST(Elementary, FunctionsOfFloatsAreNearlyRoundedOnce) {
     EXPECT_TRUE(std::isnan(elementary::log(-1.f)) && std::isnan(elementary::exp(float(k_nan))));
 }
 
-TEST(Elementary, EndsOfTheirRanges) {
+TEST(Elementary, FunctionsAreExactAtTheEndsOfTheirRanges) {
     namespace e = elementary;
     EXPECT_EQ(e::exp(0.0), 1);
     EXPECT_EQ(e::exp(-708.1), 0);
     EXPECT_EQ(e::exp(-k_infinity), 0);
-    EXPECT_TRUE(near_relative(e::exp(709.78), std::exp(709.78), 1e-15));
+    EXPECT_WITHIN_RELATIVE(e::exp(709.78), std::exp(709.78), 1e-15);
     EXPECT_EQ(e::exp(709.8), k_infinity);
     EXPECT_EQ(e::log(1.0), 0);
     EXPECT_EQ(e::log(0.0), -k_infinity);
     EXPECT_EQ(e::log(k_infinity), k_infinity);
     EXPECT_TRUE(std::isnan(e::log(-1.0)));
-    EXPECT_TRUE(near_relative(e::log(1e-310), std::log(1e-310), 1e-15));
+    EXPECT_WITHIN_RELATIVE(e::log(1e-310), std::log(1e-310), 1e-15);
     EXPECT_EQ(e::log1p(-1.0), -k_infinity);
     EXPECT_EQ(e::log1p(1e-20), 1e-20);
     EXPECT_EQ(e::pow(0.0, 0.5), 0);
     EXPECT_EQ(e::pow(0.0, 0.0), 1);
     EXPECT_EQ(e::pow(0.0, -1.0), k_infinity);
     EXPECT_EQ(e::pow(1.0, 1e300), 1);
-    EXPECT_TRUE(near_relative(e::pow(-2.0, 3.0), -8, 1e-15) && near_relative(e::pow(-2.0, 4.0), 16, 1e-15));
+    EXPECT_WITHIN_RELATIVE(e::pow(-2.0, 3.0), -8, 1e-15);
+    EXPECT_WITHIN_RELATIVE(e::pow(-2.0, 4.0), 16, 1e-15);
     EXPECT_TRUE(std::isnan(e::pow(-2.0, 0.5)));
     EXPECT_EQ(e::cbrt(0.0), 0);
     EXPECT_EQ(e::cbrt(-8.0), -2);
@@ -121,12 +122,12 @@ TEST(Elementary, EndsOfTheirRanges) {
         EXPECT_TRUE(std::isnan(f(k_nan)));
 }
 
-TEST(Elementary, AnglesOfAllQuadrants) {
+TEST(Elementary, AnglesAreThoseOfTheirQuadrant) {
     const double values[] = {0.0, -0.0, 1.0, -1.0, 1e-300, -1e-300, 1e300, k_infinity, -k_infinity};
     for (const double y : values)
         for (const double x : values) {
             const double expected = std::atan2(y, x), found = elementary::atan2(y, x);
-            EXPECT_TRUE(near(found, expected, 1e-15)) << y << ' ' << x;
+            EXPECT_WITHIN(found, expected, 1e-15) << y << ' ' << x;
             EXPECT_EQ(std::signbit(found), std::signbit(expected)) << y << ' ' << x;
         }
     EXPECT_TRUE(std::isnan(elementary::atan2(k_nan, 1.0)) && std::isnan(elementary::atan2(1.0, k_nan)));

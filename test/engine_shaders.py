@@ -1,4 +1,4 @@
-"""Shaders for engines that no test runs compile with stand-ins for the engines' names: python3 test/engine_shaders.py GLSLANG.
+"""Shaders for engines that no test runs compile with mock declarations of the engines' names: python3 test/engine_shaders.py GLSLANG.
 
 The stand-ins have the types that the engines' documentation gives. URP's Light lacks its direction, which is `half`. The shader for Unity
 is compiled by its passes and stages, as HLSL; that for Godot as GLSL. test/hosts/drawn_engine_shaders.py runs both.

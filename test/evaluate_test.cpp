@@ -46,8 +46,8 @@ void expect_exact(const PmModel& model, const Pairs& pairs) {
         for (const Vec3d& e : expected) peak = std::max(peak, channel(e));
         for (std::size_t i = 0; i < f.size(); ++i) {
             const double e = channel(expected[i]), bound = std::max({1e-4 * e, 1e-6 * peak, 1e-35});
-            EXPECT_PRED3(near, f[i][c], e, bound) << peak;
-            EXPECT_PRED3(near, value(prepared, pairs.wl[i], pairs.wv[i])[c], e, bound)
+            EXPECT_WITHIN(f[i][c], e, bound) << peak;
+            EXPECT_WITHIN(value(prepared, pairs.wl[i], pairs.wv[i])[c], e, bound)
                 << peak << ", J " << model.lobes << ", N " << model.variates;
         }
     }
@@ -99,7 +99,7 @@ TEST_P(EvaluateOn, SpectraAgreeWithDoubleAndHaveTheColour) {
                     double peak = 0;
                     for (const Vec3d& e : expected) peak = std::max(peak, e.x);
                     for (std::size_t i = 0; i < expected.size(); ++i)
-                        EXPECT_TRUE(near(f[i * C + c], expected[i].x, 1e-4 * expected[i].x + 1e-6 * peak));
+                        EXPECT_WITHIN(f[i * C + c], expected[i].x, 1e-4 * expected[i].x + 1e-6 * peak);
                 }
                 // A lobe's colour may have a negative channel, a value has none.
                 expect_exact(model, pairs);
@@ -108,7 +108,7 @@ TEST_P(EvaluateOn, SpectraAgreeWithDoubleAndHaveTheColour) {
                     const Rgb colour = to_rgb(std::span(f).subspan(i * C, C), weights);
                     for (int k = 0; k < 3; ++k) {
                         EXPECT_GE(rgb[i][k], 0);
-                        EXPECT_TRUE(near(rgb[i][k], std::max(colour[k], 0.f), 1e-3 * double(luminance(rgb[i])) + 1e-6));
+                        EXPECT_WITHIN(rgb[i][k], std::max(colour[k], 0.f), 1e-3 * double(luminance(rgb[i])) + 1e-6);
                     }
                 }
             }
@@ -165,7 +165,7 @@ TEST_P(EvaluateOn, IsCutBeforeSubnormalNumbersAndInfinity) {
     for (const float bandwidth : {130.f, 1000.f, k_half_max}) {
         model.bandwidth = {bandwidth};
         for (const Rgb& f : evaluated(model, pairs)) {
-            EXPECT_TRUE(near_relative(f.g, 0x1p-100, 1e-4));
+            EXPECT_WITHIN_RELATIVE(f.g, 0x1p-100, 1e-4);
             EXPECT_EQ(f.b, 0);
         }
     }
@@ -173,7 +173,7 @@ TEST_P(EvaluateOn, IsCutBeforeSubnormalNumbersAndInfinity) {
         model.bandwidth = {0};
         model.log_scale = {float(least)};
         const double expected = std::max(std::exp(double(model.log_scale[0])), 0x1p-100);
-        for (const Rgb& f : evaluated(model, pairs)) EXPECT_TRUE(near_relative(f.g, expected, 1e-4));
+        for (const Rgb& f : evaluated(model, pairs)) EXPECT_WITHIN_RELATIVE(f.g, expected, 1e-4);
     }
     model.lobes = k_most_lobes;
     model.coefficient.assign(k_most_lobes, {k_half_max, 1, 0});
@@ -182,7 +182,7 @@ TEST_P(EvaluateOn, IsCutBeforeSubnormalNumbersAndInfinity) {
     model.bandwidth.assign(k_most_lobes, 0);
     for (const Rgb& f : evaluated(model, pairs)) {
         EXPECT_TRUE(is_finite(f));
-        EXPECT_TRUE(near_relative(f.g, 1024 * 0x1p100, 1e-4));
+        EXPECT_WITHIN_RELATIVE(f.g, 1024 * 0x1p100, 1e-4);
         EXPECT_EQ(f.b, 0);
     }
 }

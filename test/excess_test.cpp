@@ -1,4 +1,5 @@
-// Fits that exceed the measurement between the rows that they have seen.
+// A fit may exceed the measurement between the pairs it was fitted to. Such pairs are found and added to the
+// observations.
 #include "observe/bound.h"
 
 #include "brdf/directions.h"
@@ -10,7 +11,7 @@
 namespace srbf::excess_test {
 namespace {
 
-Observations grey() {
+Observations lambertian_observations() {
     return *observe(
         [](auto, auto, auto f) {
             std::fill(f.begin(), f.end(), Rgb{0.3f, 0.3f, 0.3f});
@@ -32,16 +33,16 @@ PmModel with_spike() {
     return model;
 }
 
-TEST(Excess, IsFoundWhereItIs) {
-    const Observations o = grey();
+TEST(Excess, PairsThatExceedTheMeasurementAreFound) {
+    const Observations o = lambertian_observations();
     const double largest = largest_measured(o);
-    EXPECT_TRUE(near(largest, 0.3, 1e-3));  // at the normal
+    EXPECT_WITHIN(largest, 0.3, 1e-3);  // at the normal
     const std::vector<std::size_t> where = exceeded_pairs(o, 4096, with_spike(), largest);
     ASSERT_FALSE(where.empty());
     std::size_t next = 0, expected = 0;
     for (std::size_t i = 4096; i < o.f.size(); ++i) {
         const double f = double(value(with_spike(), o.wl[i], o.wv[i]).r) * double(o.wl[i].z) * double(o.wv[i].z);
-        if (std::abs(f / (1.6 * largest) - 1) < 1e-3) continue;  // either will do
+        if (std::abs(f / (1.6 * largest) - 1) < 1e-3) continue;  // at the threshold, rounding decides
         if (f < 1.6 * largest) continue;
         ++expected;
         while (next < where.size() && where[next] < i) ++next;
@@ -51,8 +52,8 @@ TEST(Excess, IsFoundWhereItIs) {
     EXPECT_GE(where.size(), expected);
 }
 
-TEST(Excess, ChecksBecomeObservationsAndThenWeighMore) {
-    Observations o = grey();
+TEST(Excess, PairsBecomeObservationsAndThenWeighMore) {
+    Observations o = lambertian_observations();
     const std::size_t first = o.fitted_count(), bound_pairs = o.bound_pairs;
     const std::size_t taken = add_exceeded_pairs(o, first, with_spike(), 0.01);
     ASSERT_GT(taken, 0u);
@@ -63,7 +64,7 @@ TEST(Excess, ChecksBecomeObservationsAndThenWeighMore) {
         const auto cosine = [](float z) { return std::max(double(z), k_brink_cosine); };
         EXPECT_GT(double(value(with_spike(), o.wl[i], o.wv[i]).r) * cosine(o.wl[i].z) * cosine(o.wv[i].z),
                   1.6 * largest * (1 - 1e-5));
-        EXPECT_TRUE(near_relative(o.weight[i], bound_weight(o, i, 0.01, largest), 1e-12));
+        EXPECT_WITHIN_RELATIVE(o.weight[i], bound_weight(o, i, 0.01, largest), 1e-12);
         weight.push_back(o.weight[i]);
     }
     EXPECT_EQ(add_exceeded_pairs(o, first, with_spike(), 0.01), taken);
@@ -72,8 +73,8 @@ TEST(Excess, ChecksBecomeObservationsAndThenWeighMore) {
 }
 
 // The search's subsets grow only by pairs at which a candidate exceeds the measurement.
-TEST(Subsets, TakeInWhereCandidatesExceedTheMeasurement) {
-    const Observations o = grey();
+TEST(Subsets, GrowByPairsAtWhichCandidatesExceedTheMeasurement) {
+    const Observations o = lambertian_observations();
     const PmFitOptions options{.form = PmForm::gaussian, .axial = false, .lobes = 1, .variates = 1};
     Subsets subsets(o);
     const auto rows = [&] { return subsets.rows(Pairs::search, {.albedos = false}).wl[0].size(); };
@@ -83,11 +84,11 @@ TEST(Subsets, TakeInWhereCandidatesExceedTheMeasurement) {
         subsets.add_exceeded_pairs({candidate}, shape_of(options));
         return rows();
     };
-    EXPECT_EQ(with({0, 0, 0}), before);                         // the constant
-    EXPECT_TRUE(near(subsets.integral_importance(), 0, 1e-6));  // which leaves no loss
+    EXPECT_EQ(with({0, 0, 0}), before);                     // the constant
+    EXPECT_WITHIN(subsets.integral_importance(), 0, 1e-6);  // which leaves no loss
     // A lobe of a quarter of a degree, as large as the constant where it is seen first, a degree from its centre.
     EXPECT_GT(with(60000.0 * spherical(0.7, 1.3)), before);
-    EXPECT_TRUE(near(subsets.integral_importance(), 0.004 / 0.03, 1e-6));  // no more than a loss of 0.004 counts
+    EXPECT_WITHIN(subsets.integral_importance(), 0.004 / 0.03, 1e-6);  // no more than a loss of 0.004 counts
 }
 
 }  // namespace

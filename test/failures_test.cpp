@@ -21,10 +21,13 @@ struct Task {
     std::vector<std::string> outputs;
 };
 
+/// What a failure does, if it is not the number of an error.
+constexpr int k_kill = 0, k_stop = -1;
+
 struct Failure {
     std::string call;
-    long index = -1;  ///< index of the call that fails; −1: none
-    int error = 0;
+    long index = -1;     ///< index of the call that fails; −1: none
+    int error = k_kill;  ///< the number of the error, `k_kill` or `k_stop`
 };
 
 std::string text(const Failure& failure) {
@@ -36,11 +39,11 @@ std::string hash_of(const std::string& bytes) { return srbf::hash_of(std::as_byt
 class Failures : public CommandLine {
   protected:
     void SetUp() override {
-        write(folder / "a.binary", small_merl());
-        write(folder / "b.binary",
-              text_of(merl_file({9, 6, 8}, [](int h, int d, int, int c) { return 0.2 + 0.01 * h * d + 0.1 * c; })));
-        const ProgramRun fitted = run(folder, k_quick_fit + Arguments{"a.binary", "-o", "m.srbf"});
-        ASSERT_EQ(fitted.status, 0) << fitted.err;
+        write_text(folder / "a.binary", small_merl());
+        write_text(
+            folder / "b.binary",
+            as_text(merl_file({9, 6, 8}, [](int h, int d, int, int c) { return 0.2 + 0.01 * h * d + 0.1 * c; })));
+        run_ok(folder, k_quick_fit + Arguments{"a.binary", "-o", "m.srbf"});
     }
 
     /// Calls `start` while the given call is set to fail. The number of calls is written to the file `count`.
@@ -55,12 +58,12 @@ class Failures : public CommandLine {
         ::unsetenv("LD_PRELOAD");
         return result;
     }
-    /// Runs the task with a failure. `calls`: the number of calls of that kind, if the program ended normally.
+    /// Runs the task with a failure. `calls` becomes the number of calls of that kind, if the program ended normally.
     ProgramRun run_with(const Task& task, const Failure& failure, std::optional<long>& calls) {
         const TemporaryFolder count_folder;
         const std::string count = count_folder / "count";
-        const ProgramRun result = with_failure(failure, count, [&] { return run(folder, task.arguments); });
-        const std::string number = contents(count);
+        const ProgramRun result = with_failure(failure, count, [&] { return run_srbf(folder, task.arguments); });
+        const std::string number = read_text(count);
         calls = number.empty() ? std::nullopt : std::optional(std::stol(number));
         return result;
     }
@@ -68,29 +71,28 @@ class Failures : public CommandLine {
     void write_old(const Task& task) {
         for (const std::string& name : task.outputs) {
             fs::create_directories((folder / name).parent_path());
-            write(folder / name, "old");
+            write_text(folder / name, "old");
         }
     }
     /// The outputs of a run without failures.
     std::map<std::string, std::string> complete_outputs(const Task& task) {
         write_old(task);
-        const ProgramRun result = run(folder, task.arguments);
-        EXPECT_EQ(result.status, 0) << result.err;
+        run_ok(folder, task.arguments);
         std::map<std::string, std::string> outputs;
-        for (const std::string& name : task.outputs) outputs[name] = contents(folder / name);
+        for (const std::string& name : task.outputs) outputs[name] = read_text(folder / name);
         return outputs;
     }
     /// True if a file has its old or its complete content. A report contains durations; it is complete if it is
     /// JSON and names its model.
     bool is_old_or_complete(const std::string& name, const std::string& expected) {
-        const std::string content = contents(folder / name);
+        const std::string content = read_text(folder / name);
         if (content == "old" || content == expected) return true;
         return name.ends_with(".json") && is_report(name, name.substr(0, name.size() - 5) + ".srbf");
     }
     /// True if the report is complete and belongs to the model.
     bool is_report(const std::string& name, const std::string& model) {
-        const Json report = Json::parse(contents(folder / name), nullptr, false);
-        return report.is_object() && report.value("model_hash", "") == hash_of(contents(folder / model));
+        const Json report = Json::parse(read_text(folder / name), nullptr, false);
+        return report.is_object() && report.value("model_hash", "") == hash_of(read_text(folder / model));
     }
     std::set<std::string> files() const {
         std::set<std::string> names;
@@ -114,14 +116,14 @@ class Failures : public CommandLine {
         for (const auto& [name, content] : expected) {
             EXPECT_TRUE(is_old_or_complete(name, content)) << name;
             if (result.status == 0) {
-                EXPECT_NE(contents(folder / name), "old") << name;
+                EXPECT_NE(read_text(folder / name), "old") << name;
             }
         }
         EXPECT_EQ(files(), files_before);
         return result.status == 0;
     }
 
-    /// Lets each system call fail in turn.
+    /// Makes each system call fail in turn.
     void try_system_calls(const Task& task, const std::vector<std::string>& kinds, const std::vector<int>& errors) {
         const auto expected = complete_outputs(task);
         for (const std::string& call : kinds)
@@ -137,7 +139,7 @@ class Failures : public CommandLine {
                     if (HasFailure()) return;
                 }
     }
-    /// Lets the first allocations fail, and some random ones.
+    /// Makes the first allocations fail, and some random ones.
     void try_allocations(const Task& task, long first, long random_ones) {
         const auto expected = complete_outputs(task);
         std::optional<long> total;
@@ -175,17 +177,16 @@ TEST_F(Failures, KilledRunsResume) {
     const auto expected = complete_outputs(many_);
     for (const std::string call : {"write", "fsync", "rename"})
         for (long index = 0;; index += 29) {
-            SCOPED_TRACE(text({call, index, 0}));
+            SCOPED_TRACE(text({call, index, k_kill}));
             fs::remove_all(folder / "models");
             std::optional<long> calls;
-            run_with(many_, {call, index, 0}, calls);
-            const ProgramRun resumed = run(folder, many_.arguments);
-            EXPECT_EQ(resumed.status, 0) << resumed.err;
+            run_with(many_, {call, index, k_kill}, calls);
+            run_ok(folder, many_.arguments);
             for (const auto& [name, content] : expected)
                 if (name.ends_with(".srbf")) {
-                    EXPECT_EQ(contents(folder / name), content) << name;
+                    EXPECT_EQ(read_text(folder / name), content) << name;
                 }
-            EXPECT_NE(run(folder, many_.arguments).out.find("2 kept"), std::string::npos);
+            EXPECT_CONTAINS(run_srbf(folder, many_.arguments).out, "2 kept");
             if (calls) break;  // the run was not killed
         }
 }
@@ -195,19 +196,19 @@ TEST_F(Failures, KilledRunsResume) {
 TEST_F(Failures, ConcurrentRunsLeaveAMatchingPair) {
     const std::string k_flock = std::to_string(SYS_flock) + " ";
     const TemporaryFolder captured;
-    write(folder / "c.binary", text_of(merl_file({9, 6, 8}, [](int h, int, int, int) { return 1.0 + h; })));
+    write_text(folder / "c.binary", as_text(merl_file({9, 6, 8}, [](int h, int, int, int) { return 1.0 + h; })));
     const auto start_fit = [&](const std::string& input) {
-        return start(folder, k_quick_fit + Arguments{input, "-o", "same.srbf", "--json", "same.json"}, captured / input,
-                     captured / "err");
+        return start_srbf(folder, k_quick_fit + Arguments{input, "-o", "same.srbf", "--json", "same.json"},
+                          captured / input, captured / "err");
     };
     // The first run stops between the two renames. The second may end before the first continues, or wait for it.
-    const pid_t first = with_failure({"rename", 1, -1}, captured / "count", [&] { return start_fit("a.binary"); });
+    const pid_t first = with_failure({"rename", 1, k_stop}, captured / "count", [&] { return start_fit("a.binary"); });
     int status = 0;
     ASSERT_EQ(::waitpid(first, &status, WUNTRACED), first);
     ASSERT_TRUE(WIFSTOPPED(status));
     const pid_t second = start_fit("b.binary");
     pid_t ended = 0;
-    const auto waits = [&] { return contents(fmt::format("/proc/{}/syscall", second)).starts_with(k_flock); };
+    const auto waits = [&] { return read_text(fmt::format("/proc/{}/syscall", second)).starts_with(k_flock); };
     for (int i = 0; i < 1000 && ended == 0 && !waits(); ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
         ended = ::waitpid(second, &status, WNOHANG);
@@ -230,14 +231,14 @@ TEST_F(Failures, ConcurrentRunsLeaveAMatchingPair) {
 /// A report next to another model is not accepted as the report of that model.
 TEST_F(Failures, AReportBelongsToItsModel) {
     const Arguments start = k_quick_fit + Arguments{"--resume", "-o", "models"};
-    ASSERT_EQ(run(folder, start + Arguments{"a.binary"}).status, 0);
-    ASSERT_EQ(run(folder, start + Arguments{"b.binary"}).status, 0);
-    const std::string model = contents(folder / "models/a.srbf");
-    EXPECT_NE(run(folder, start + Arguments{"a.binary"}).out.find("1 kept"), std::string::npos);
+    run_ok(folder, start + Arguments{"a.binary"});
+    run_ok(folder, start + Arguments{"b.binary"});
+    const std::string model = read_text(folder / "models/a.srbf");
+    EXPECT_CONTAINS(run_srbf(folder, start + Arguments{"a.binary"}).out, "1 kept");
     fs::copy(folder / "models/b.srbf", folder / "models/a.srbf", fs::copy_options::overwrite_existing);
-    EXPECT_NE(run(folder, start + Arguments{"a.binary"}).out.find("0 kept"), std::string::npos);
-    EXPECT_EQ(contents(folder / "models/a.srbf"), model);
-    const Json report = Json::parse(contents(folder / "models/a.json"), nullptr, false);
+    EXPECT_CONTAINS(run_srbf(folder, start + Arguments{"a.binary"}).out, "0 kept");
+    EXPECT_EQ(read_text(folder / "models/a.srbf"), model);
+    const Json report = Json::parse(read_text(folder / "models/a.json"), nullptr, false);
     EXPECT_EQ(report.value("model_hash", ""), hash_of(model));
 }
 
@@ -252,12 +253,12 @@ TEST_F(Failures, FilesBeyondTheLimitGiveOneLineOfError) {
                                        {"export", "m.srbf", "--to", "glsl", "-o", "x.glsl"},
                                        k_quick_fit + Arguments{"a.binary", "b.binary", "-o", "models"},
                                        {"completion", "bash"}}) {
-        if (!is_offered(arguments)) continue;
+        if (!is_built(arguments)) continue;
         SCOPED_TRACE(fmt::format("{}", fmt::join(arguments, " ")));
         const auto files_before = files();
         const rlimit low{512, previous.rlim_max};
         ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &low), 0);
-        const ProgramRun result = run(folder, arguments);
+        const ProgramRun result = run_srbf(folder, arguments);
         ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &previous), 0);
         EXPECT_EQ(result.status, 1) << result.err;
         EXPECT_TRUE(result.err.starts_with("srbf: ")) << result.err;

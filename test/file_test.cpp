@@ -22,7 +22,7 @@ class File : public testing::Test {
     const fs::path folder_ = temporary_.path;
 };
 
-std::string text(const std::string& path) {
+std::string read_back(const std::string& path) {
     const auto bytes = read_file(path);
     EXPECT_TRUE(bytes.ok());
     return bytes ? std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()) : "";
@@ -32,7 +32,7 @@ void expect_error(const Error& error, const std::string& path) {
     EXPECT_EQ(error.source, path);
     EXPECT_FALSE(error.what.empty());
     EXPECT_FALSE(error.found.empty());
-    EXPECT_EQ(message(error).find('\n'), std::string::npos);
+    EXPECT_LACKS(message(error), "\n");
 }
 
 TEST_F(File, ReadsBackWhatWasWritten) {
@@ -41,8 +41,7 @@ TEST_F(File, ReadsBackWhatWasWritten) {
         std::vector<std::byte> bytes(size);
         for (auto& b : bytes) b = std::byte(random());
         ASSERT_TRUE(write_file(path("a"), bytes).ok());
-        const auto back = read_file(path("a"));
-        ASSERT_TRUE(back.ok());
+        const auto back = checked(read_file(path("a")));
         EXPECT_EQ(*back, bytes);
     }
     EXPECT_EQ(files(), 1u);
@@ -53,7 +52,7 @@ TEST_F(File, ReadsAPipe) {
     ASSERT_EQ(::pipe(ends), 0);
     ASSERT_EQ(::write(ends[1], "through", 7), 7);
     ::close(ends[1]);
-    EXPECT_EQ(text("/dev/fd/" + std::to_string(ends[0])), "through");
+    EXPECT_EQ(read_back("/dev/fd/" + std::to_string(ends[0])), "through");
     ::close(ends[0]);
 }
 
@@ -74,7 +73,7 @@ TEST_F(File, UnwritableIsAnErrorAndLeavesNothing) {
         ASSERT_FALSE(done.ok()) << p;
         expect_error(done.error(), p);
     }
-    EXPECT_EQ(text(path("a")), "old");
+    EXPECT_EQ(read_back(path("a")), "old");
     EXPECT_EQ(files(), 2u);
 }
 
@@ -94,11 +93,11 @@ TEST_F(File, KeepsPermissionsAndLinks) {
     fs::create_symlink("a", path("link"));
     ASSERT_TRUE(write_file(path("link"), as_bytes("new")).ok());
     EXPECT_TRUE(fs::is_symlink(path("link")));
-    EXPECT_EQ(text(path("a")), "new");
+    EXPECT_EQ(read_back(path("a")), "new");
     EXPECT_EQ(fs::status(path("a")).permissions(), fs::perms::owner_read | fs::perms::owner_write);
 }
 
-TEST(Message, SaysWhatIsThereInOneLine) {
+TEST(Message, IsOneLineWithThePartsThatAreGiven) {
     EXPECT_EQ(message({"a.bsdf", 18, "field count", "between 1 and 1024", "0"}),
               "a.bsdf: at 18: field count: expected between 1 and 1024, found 0");
     EXPECT_EQ(message({"a", {}, "broken", "", ""}), "a: broken");

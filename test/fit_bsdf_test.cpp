@@ -26,14 +26,14 @@ float fresnel(float cosine, float index) {
                 p = (index * index * cosine - across) / (index * index * cosine + across);
     return 0.5f * (s * s + p * p);
 }
-/// Both faces of a slab, with all that goes to and fro between them.
+/// The reflectance of both faces of a slab, with all reflections between them.
 float slab_reflectance(float cosine) {
     const float F = fresnel(cosine, 1.5f);
     return 2 * F / (1 + F);
 }
 
 /// A thin slab with rough faces whose refractions cancel: the light is spread about the mirror direction and about the
-/// one straight through. The two sides are alike.
+/// direction straight through. The two sides are alike.
 std::array<Evaluate, k_parts> rough_slab() {
     const auto reflected = evaluate_by([](Vec3f wl, Vec3f wv) {
         return grey(K::ggx_facets(wl, wv, 0.25f) * slab_reflectance(cosine_to_half(wl, wv)));
@@ -74,26 +74,25 @@ FitRequest five_lobes() {
 
 /// Expects a fit in at most 400 bytes, whose error is at most 0.5 % and which neither loses nor makes light.
 void expect_good(const std::array<Evaluate, k_parts>& parts, bool sides_are_alike) {
-    const auto fitted = fit_bsdf(parts, five_lobes());
-    ASSERT_TRUE(fitted.ok()) << message(fitted.error());
+    const auto fitted = checked(fit_bsdf(parts, five_lobes()));
     EXPECT_LE(payload_bytes(fitted->model), 400u);
     for (const PartFit& part : fitted->parts) {
-        EXPECT_PRED3(near, part.squared_error_ratio, 0, 0.005) << name(part.part);
+        EXPECT_WITHIN(part.squared_error_ratio, 0, 0.005) << name(part.part);
         EXPECT_EQ(part.answered_by.has_value(), is_back(part.part) && (sides_are_alike || is_transmission(part.part)));
         for (const Hemispherical& sum : part.hemispherical)
-            EXPECT_PRED3(near, sum.fitted, sum.measured, std::max(0.02 * sum.measured, 0.005))
+            EXPECT_WITHIN(sum.fitted, sum.measured, std::max(0.02 * sum.measured, 0.005))
                 << name(part.part) << " " << sum.theta / k_degree;
     }
-    EXPECT_PRED3(near, fitted->most_fitted, fitted->most_measured, 0.01);
+    EXPECT_WITHIN(fitted->most_fitted, fitted->most_measured, 0.01);
     EXPECT_LE(fitted->most_fitted, 1.01);
-    EXPECT_GT(expect_furnace(fitted->model), 0.1);
+    EXPECT_GT(expect_energy_conserved(fitted->model), 0.1);
 }
 
-TEST(FitBsdf, RoughDielectricSlab) { expect_good(rough_slab(), true); }
-TEST(FitBsdf, Leaf) { expect_good(leaf(), false); }
+TEST(FitBsdf, KeepsTheAlbedosOfARoughSlab) { expect_good(rough_slab(), true); }
+TEST(FitBsdf, KeepsTheAlbedosOfALeaf) { expect_good(leaf(), false); }
 
 /// `fit` refuses a measurement of two sides, and `fit_bsdf` one of a single side.
-TEST(FitBsdf, IsAskedForByName) {
+TEST(FitBsdf, IsRequestedByItsOwnFunction) {
     const Measured sides{"f", "CSV", 0, BsdfTable{{{}}, 0, {}}};
     const std::string expected = "measurement: expected a BRDF, found reflection and transmission, for fit_bsdf";
     const auto fitted = fit(sides, {});

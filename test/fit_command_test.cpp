@@ -13,13 +13,17 @@
 namespace srbf::fit_command_test {
 namespace {
 
-TEST_F(Command, fit_writes_model_picture_and_report) {
+class FitCommand : public SmallFit {
+    void SetUp() override { SKIP_UNDER_SANITIZERS("fits take too long"); }
+};
+using FitTarget = CommandLine;
+
+TEST_F(FitCommand, WritesModelPictureAndReport) {
     ASSERT_EQ(first.status, 0) << first.err;
     EXPECT_EQ(first.err, "");  // progress only on a terminal
     EXPECT_EQ(fitted->files().size(), 3u);
-    EXPECT_TRUE(contents(*fitted / "p.png").starts_with("\x89PNG\r\n\x1a\n"));
-    const auto model = load_model(*fitted / "m.srbf");
-    ASSERT_TRUE(model) << message(model.error());
+    EXPECT_TRUE(read_text(*fitted / "p.png").starts_with("\x89PNG\r\n\x1a\n"));
+    const auto model = checked(load_model(*fitted / "m.srbf"));
     const PmModel& pm = std::get<PmModel>(model->model);
 
     const Json json = report();
@@ -28,16 +32,14 @@ TEST_F(Command, fit_writes_model_picture_and_report) {
         "channels": 3, "objective": "appearance", "max_theta": 89.0, "raw_bytes": 28311552, "auxiliary_bytes": 0, "seed": 0,
         "threads": 1, "masked_samples": 0, "clamped_samples": 0})");
     EXPECT_EQ(json.value("payload_bytes", std::size_t(0)), payload_bytes(pm));
-    EXPECT_NE(first.out.find(fmt::format("  stored    48 bytes (file {}), source file 658,928 bytes, 1 : 13,727\n",
-                                         contents(*fitted / "m.srbf").size())),
-              std::string::npos)
-        << first.out;
+    EXPECT_CONTAINS(first.out, fmt::format("  stored    48 bytes (file {}), source file 658,928 bytes, 1 : 13,727\n",
+                                           read_text(*fitted / "m.srbf").size()));
     for (const auto& [key, value] : expected.items()) EXPECT_EQ(json.value(key, Json()), value) << key;
     EXPECT_GT(json.value("fit_seconds", 0.0), 0.0);
     EXPECT_GT(json.value("load_seconds", 0.0), 0.0);
     EXPECT_NE(json.value("stop_reason", ""), "");
     EXPECT_EQ(json.value("peak", ""), "none");  // paper is matte
-    EXPECT_NE(first.out.find("  peak      no highlight (matte)"), std::string::npos);
+    EXPECT_CONTAINS(first.out, "  peak      no highlight (matte)");
     Arguments names{"albedo_error"};
     for (const std::string& name : k_measure_names) names = names + Arguments{name, "heldout_" + name};
     for (const std::string& name : names) {
@@ -50,12 +52,11 @@ TEST_F(Command, fit_writes_model_picture_and_report) {
     EXPECT_EQ(pictures.value("lightings", Json::object()).size(), standard_lightings().size());
 }
 
-TEST_F(Command, compare_finds_the_errors_that_fit_reports) {
+TEST_F(FitCommand, CompareFindsTheErrorsThatFitReports) {
     const Json fit = report();
     for (const Arguments& theta : {Arguments{}, Arguments{"--max-theta", "89"}}) {
         const ProgramRun compared =
-            run(*fitted, Arguments{"compare", k_paper, "m.srbf", "--json", "-", "--threads", "2"} + theta);
-        ASSERT_EQ(compared.status, 0) << compared.err;
+            run_ok(*fitted, Arguments{"compare", k_paper, "m.srbf", "--json", "-", "--threads", "2"} + theta);
         const Json json = Json::parse(compared.out, nullptr, false);
         EXPECT_EQ(json.value("albedo_error", -1.0), fit.value("albedo_error", -2.0));
         EXPECT_EQ(json.value("pictures", Json(1)), fit.value("pictures", Json(2)));
@@ -71,47 +72,45 @@ Json without_durations(Json report) {
     return report;
 }
 
-TEST_F(Command, fit_of_many_files_is_that_of_each) {
-    write(folder / "small.binary", small_merl());
-    write(folder / "broken.binary", small_merl() + "x");
+TEST_F(FitCommand, ManyFilesAreFittedAsEachOfThem) {
+    write_text(folder / "small.binary", small_merl());
+    write_text(folder / "broken.binary", small_merl() + "x");
     std::filesystem::copy(k_paper, folder / "small.bsdf");
     const Arguments options{"--lobes", "2", "--variates", "2", "--threads", "2"};
     const Arguments arguments =
         Arguments{"fit", "small.binary", "broken.binary", "missing", k_paper, "small.bsdf", ".", "-o", "new/models"} +
         options;
-    const ProgramRun result = run(folder, arguments);
+    const ProgramRun result = run_srbf(folder, arguments);
     EXPECT_EQ(result.status, 1);
     // Each file has a line on standard output or error, in order. A failure does not stop the other files.
     EXPECT_LT(result.out.find("\nsmall  "), result.out.find("\npaper_white_rgb  ")) << result.out;
-    EXPECT_NE(result.out.find("2 fitted"), result.out.npos) << result.out;
-    EXPECT_NE(result.out.find("0 kept; 4 failed"), result.out.npos) << result.out;
+    EXPECT_CONTAINS(result.out, "2 fitted");
+    EXPECT_CONTAINS(result.out, "0 kept; 4 failed");
     EXPECT_EQ(std::ranges::count(result.err, '\n'), 4) << result.err;
     EXPECT_LT(result.err.find("broken.binary"), result.err.find("missing"));
-    EXPECT_NE(result.err.find("small.bsdf: model: expected a name of its own, found that of small.binary"),
-              result.err.npos)
-        << result.err;
+    EXPECT_CONTAINS(result.err, "small.bsdf: model: expected a name of its own, found that of small.binary");
     const std::string models = folder / "new/models/";
-    EXPECT_EQ(contents(models + "paper_white_rgb.srbf"), contents(*fitted / "m.srbf"));
-    EXPECT_EQ(without_durations(Json::parse(contents(models + "paper_white_rgb.json"), nullptr, false)),
+    EXPECT_EQ(read_text(models + "paper_white_rgb.srbf"), read_text(*fitted / "m.srbf"));
+    EXPECT_EQ(without_durations(Json::parse(read_text(models + "paper_white_rgb.json"), nullptr, false)),
               without_durations(report()));
     EXPECT_FALSE(std::filesystem::exists(models + "broken.srbf"));
 
     // A resumed run keeps complete models unchanged.
-    const std::string small = contents(models + "small.srbf");
-    write(models + "small.srbf", small.substr(0, small.size() / 2));
+    const std::string small = read_text(models + "small.srbf");
+    write_text(models + "small.srbf", small.substr(0, small.size() / 2));
     const auto written = std::filesystem::last_write_time(models + "paper_white_rgb.srbf");
-    const ProgramRun resumed = run(folder, arguments + Arguments{"--resume"});
-    EXPECT_NE(resumed.out.find("1 fitted"), resumed.out.npos) << resumed.out;
-    EXPECT_NE(resumed.out.find("1 kept; 4 failed"), resumed.out.npos) << resumed.out;
-    EXPECT_EQ(contents(models + "small.srbf"), small);
+    const ProgramRun resumed = run_srbf(folder, arguments + Arguments{"--resume"});
+    EXPECT_CONTAINS(resumed.out, "1 fitted");
+    EXPECT_CONTAINS(resumed.out, "1 kept; 4 failed");
+    EXPECT_EQ(read_text(models + "small.srbf"), small);
     EXPECT_EQ(std::filesystem::last_write_time(models + "paper_white_rgb.srbf"), written);
     // It does not keep models made with other options or from another measurement.
     const Arguments resume{"fit", "small.binary", "-o", "new/models", "--resume", "--variates", "2"};
-    EXPECT_NE(run(folder, resume + Arguments{"--lobes", "1"}).out.find("1 fitted"), std::string::npos);
-    EXPECT_NE(run(folder, resume + Arguments{"--lobes", "1"}).out.find("1 kept"), std::string::npos);
-    write(folder / "small.binary",
-          text_of(merl_file({9, 6, 8}, [](int h, int, int, int) { return 0.2 + 1.0 / (h + 1); })));
-    EXPECT_NE(run(folder, resume + Arguments{"--lobes", "1"}).out.find("1 fitted"), std::string::npos);
+    EXPECT_CONTAINS(run_srbf(folder, resume + Arguments{"--lobes", "1"}).out, "1 fitted");
+    EXPECT_CONTAINS(run_srbf(folder, resume + Arguments{"--lobes", "1"}).out, "1 kept");
+    write_text(folder / "small.binary",
+               as_text(merl_file({9, 6, 8}, [](int h, int, int, int) { return 0.2 + 1.0 / (h + 1); })));
+    EXPECT_CONTAINS(run_srbf(folder, resume + Arguments{"--lobes", "1"}).out, "1 fitted");
 }
 
 /// `count` samples of a smooth BRDF at random pairs of directions, as CSV.
@@ -130,18 +129,17 @@ std::string smooth_samples(int count) {
     return csv;
 }
 
-TEST_F(Command, fit_chooses_the_lobes_of_scattered_samples) {
-    write(folder / "samples.csv", smooth_samples(40));
-    const ProgramRun fit = run(folder, {"fit", "samples.csv", "--variates", "1", "--form", "source", "--objective",
-                                        "raw", "--max-theta", "70", "--json", "-"});
-    ASSERT_EQ(fit.status, 0) << fit.err;
+TEST_F(FitCommand, ChoosesTheLobesOfScatteredSamples) {
+    write_text(folder / "samples.csv", smooth_samples(40));
+    const ProgramRun fit = run_ok(folder, {"fit", "samples.csv", "--variates", "1", "--form", "source", "--objective",
+                                           "raw", "--max-theta", "70", "--json", "-"});
     const Json json = Json::parse(fit.out, nullptr, false);
     EXPECT_EQ(json.value("folds", 0), 5);
     EXPECT_LT(json.value("heldout_squared_error_ratio", 1.0), 0.1);
     EXPECT_GE(json.value("heldout_squared_error_ratio", 0.0), json.value("squared_error_ratio", 1.0));
     // The largest number of lobes that 4/5 of 3 × 40 values determine: 2 J (3 + 1) + 4 bytes at most 96.
     EXPECT_EQ(json.value("lobes", 0), 9);
-    EXPECT_EQ(run(folder, {"compare", "samples.csv", "samples.srbf"}).status, 0);
+    run_ok(folder, {"compare", "samples.csv", "samples.srbf"});
 }
 
 /// Smooth samples at five wavelengths, in Cornell's format.
@@ -159,43 +157,39 @@ std::string smooth_spectra() {
     return text;
 }
 
-TEST_F(Command, fit_takes_spectra) {
-    write(folder / "s.brdf", smooth_spectra());
-    const ProgramRun fit = run(folder, {"fit", "s.brdf", "--channels", "spectral", "--lobes", "2", "--variates", "2",
-                                        "--objective", "raw", "--max-theta", "75", "--json", "-"});
-    ASSERT_EQ(fit.status, 0) << fit.err;
+TEST_F(FitCommand, FitsSpectra) {
+    write_text(folder / "s.brdf", smooth_spectra());
+    const ProgramRun fit = run_ok(folder, {"fit", "s.brdf", "--channels", "spectral", "--lobes", "2", "--variates", "2",
+                                           "--objective", "raw", "--max-theta", "75", "--json", "-"});
     const Json json = Json::parse(fit.out, nullptr, false);
     EXPECT_EQ(json.value("channels", 0), 5);
     EXPECT_EQ(json.value("payload_bytes", 0), 2 * (2 * (5 + 2 + 1 + 4) + 4));
     EXPECT_EQ(json.value("raw_bytes", 0), 8 * 8 * 7 * 5 * 4);
     EXPECT_LT(json.value("squared_error_ratio", 1.0), 0.02);
     EXPECT_LT(json.value("heldout_squared_error_ratio", 1.0), 0.03);
-    EXPECT_NE(run(folder, {"info", "s.srbf"}).out.find("5, 400 to 700 nm"), std::string::npos);
+    EXPECT_CONTAINS(run_srbf(folder, {"info", "s.srbf"}).out, "5, 400 to 700 nm");
 
     // The model is evaluated at wavelengths unless colours are requested, the measurement only on request.
-    write(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0.6,0,0.8\n0.6,0,0.8,-0.6,0,0.8\n");
+    write_text(folder / "pairs.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0.6,0,0.8\n0.6,0,0.8,-0.6,0,0.8\n");
     const std::string directions = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", nm = ",400nm,450.5nm,500nm,600nm,700nm\n";
     for (const Arguments& arguments :
          {Arguments{"s.srbf"}, {"s.srbf", "--channels", "spectral"}, {"s.brdf", "--channels", "spectral"}}) {
-        const ProgramRun eval = run(folder, Arguments{"eval", "--pairs", "p.csv"} + arguments);
-        ASSERT_EQ(eval.status, 0) << eval.err;
+        const ProgramRun eval = run_ok(folder, Arguments{"eval", "--pairs", "pairs.csv"} + arguments);
         EXPECT_TRUE(eval.out.starts_with(directions + nm)) << eval.out;
         // The output is a measurement at wavelengths again.
-        const auto samples = read_csv(as_bytes(eval.out), "e", {});
-        ASSERT_TRUE(samples.ok());
+        const auto samples = checked(read_csv(as_bytes(eval.out), "e", {}));
         ASSERT_EQ(samples->spectrum.size(), 10u);
         for (std::size_t c = 0; c < 5; ++c)
-            EXPECT_PRED3(near, samples->spectrum[5 + c], 0.02 * double(c + 1) + 0.3, 0.06) << c;
+            EXPECT_WITHIN(samples->spectrum[5 + c], 0.02 * double(c + 1) + 0.3, 0.06) << c;
     }
     for (const Arguments& arguments : {Arguments{"s.brdf"}, {"s.srbf", "--channels", "rgb"}}) {
-        const ProgramRun eval = run(folder, Arguments{"eval", "--pairs", "p.csv"} + arguments);
+        const ProgramRun eval = run_srbf(folder, Arguments{"eval", "--pairs", "pairs.csv"} + arguments);
         EXPECT_TRUE(eval.out.starts_with(directions + ",r,g,b\n")) << eval.out;
     }
 }
 
-TEST_F(Command, fit_stops_at_the_first_size_that_reaches_the_target) {
-    const ProgramRun fit = run(folder, {"fit", k_paper, "--target-delta-e", "6", "-o", "b.srbf", "--json", "-"});
-    ASSERT_EQ(fit.status, 0) << fit.err;
+TEST_F(FitTarget, IsReachedByTheLastSizeAlone) {
+    const ProgramRun fit = run_ok(folder, {"fit", k_paper, "--target-delta-e", "6", "-o", "b.srbf", "--json", "-"});
     const Json json = Json::parse(fit.out, nullptr, false), path = json["path"];
     EXPECT_TRUE(json.value("reached", false));
     ASSERT_GE(path.size(), 1u);
@@ -204,11 +198,10 @@ TEST_F(Command, fit_stops_at_the_first_size_that_reaches_the_target) {
     EXPECT_EQ(path.back()["error"], json["mean_pictures"]["delta_e_itp"]);
 }
 
-TEST_F(Command, fit_su_takes_scattered_samples) {
-    write(folder / "samples.csv", smooth_samples(600));
-    const ProgramRun fit = run(folder, {"fit", "samples.csv", "--model", "su", "--lobes", "3", "--directions", "96",
-                                        "--objective", "raw", "--max-theta", "70", "--json", "-"});
-    ASSERT_EQ(fit.status, 0) << fit.err;
+TEST_F(FitCommand, ViewByViewModelsFitScatteredSamples) {
+    write_text(folder / "samples.csv", smooth_samples(600));
+    const ProgramRun fit = run_ok(folder, {"fit", "samples.csv", "--model", "su", "--lobes", "3", "--directions", "96",
+                                           "--objective", "raw", "--max-theta", "70", "--json", "-"});
     const Json json = Json::parse(fit.out, nullptr, false);
     // The error of interpolation is larger, because the samples are 10° apart.
     EXPECT_LT(json.value("squared_error_ratio", 1.0), 0.02);
@@ -219,11 +212,9 @@ TEST_F(Command, fit_su_takes_scattered_samples) {
 
 const Arguments k_fit_su{"fit", k_paper, "--model", "su", "--directions", "200", "--lobes", "2", "--objective", "raw"};
 
-TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
-    const ProgramRun result =
-        run(folder, k_fit_su + Arguments{"-o", "su.srbf", "--with-index", "parabolic", "--json", "r.json"});
-    ASSERT_EQ(result.status, 0) << result.err;
-    const Json json = Json::parse(contents(folder / "r.json"), nullptr, false);
+TEST_F(FitCommand, ViewByViewModelsAreReadByTheOtherCommands) {
+    run_ok(folder, k_fit_su + Arguments{"-o", "su.srbf", "--with-index", "parabolic", "--json", "r.json"});
+    const Json json = Json::parse(read_text(folder / "r.json"), nullptr, false);
     const Json expected = Json::parse(R"({"model": "su", "form": "source", "lobes": 2, "variates": 1, "axial": false,
         "discretise": "view", "directions": 200, "interpolation": "rotated", "index": "parabolic", "channels": 3,
         "objective": "raw", "max_theta": 80.0, "raw_bytes": 480000, "payload_bytes": 4800, "auxiliary_bytes": 1050176,
@@ -231,13 +222,11 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
     for (const auto& [key, value] : expected.items()) EXPECT_EQ(json.value(key, Json()), value) << key;
     EXPECT_GT(json.value("fit_seconds", 0.0), 0.0);
 
-    const auto model = load_model(folder / "su.srbf");
-    ASSERT_TRUE(model) << message(model.error());
+    const auto model = checked(load_model(folder / "su.srbf"));
     const SuModel& su = std::get<SuModel>(model->model);
     EXPECT_EQ(su.index, index_texture(su, DirectionMap::parabolic));
 
-    const ProgramRun compared = run(folder, {"compare", k_paper, "su.srbf", "--json", "-"});
-    ASSERT_EQ(compared.status, 0) << compared.err;
+    const ProgramRun compared = run_ok(folder, {"compare", k_paper, "su.srbf", "--json", "-"});
     const Json compared_json = Json::parse(compared.out, nullptr, false);
     for (const std::string& name : k_measure_names)
         for (const std::string& key : {name, "heldout_" + name}) {
@@ -245,26 +234,23 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
         }
     EXPECT_EQ(compared_json.value("pairs", 0), 165 * 165);  // 165 of the 200 directions are within 80 degrees
 
-    const ProgramRun info = run(folder, {"info", "su.srbf"});
-    EXPECT_EQ(info.status, 0);
+    const ProgramRun info = run_ok(folder, {"info", "su.srbf"});
     for (const char* word : {"2 lobes × 200 sampled directions", "4,800 bytes", "parabolic", "albedo R"})
-        EXPECT_NE(info.out.find(word), std::string::npos) << word;
+        EXPECT_CONTAINS(info.out, word);
 
-    write(folder / "pairs.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0.6,0.8,0,0,1\n");
-    const ProgramRun eval = run(folder, {"eval", "su.srbf", "--pairs", "pairs.csv"});
-    EXPECT_EQ(eval.status, 0);
+    write_text(folder / "pairs.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0.6,0.8,0,0,1\n");
+    const ProgramRun eval = run_ok(folder, {"eval", "su.srbf", "--pairs", "pairs.csv"});
     std::vector<Rgb> f(1);
     const Vec3f wl[] = {{0, 0.6f, 0.8f}}, wv[] = {{0, 0, 1}};
     evaluator (*model)(wl, wv, f);
-    EXPECT_NE(eval.out.find(fmt::format("0,0,1,{:.9g},{:.9g},{:.9g}\n", f[0].r, f[0].g, f[0].b)), std::string::npos)
-        << eval.out;
+    EXPECT_CONTAINS(eval.out, fmt::format("0,0,1,{:.9g},{:.9g},{:.9g}\n", f[0].r, f[0].g, f[0].b));
 }
 
-TEST_F(Command, fit_su_refuses) {
+TEST_F(FitCommand, ViewByViewModelsRefuseOptionsOfOthers) {
     // There is one lobe more than there are directions within 80 degrees.
     expect_failure(1, {"fit", k_paper, "--model", "su", "--directions", "16", "--lobes", "14", "--objective", "raw"},
                    "paper_white_rgb.bsdf: directions with data in sampled view 0: expected none or at least 14");
-    write(folder / "zero.binary", text_of(merl_file({9, 6, 8}, [](auto...) { return 0; })));
+    write_text(folder / "zero.binary", as_text(merl_file({9, 6, 8}, [](auto...) { return 0; })));
     expect_failure(1, {"fit", "zero.binary", "--model", "su", "--directions", "64"}, "zero.binary: values");
     expect_failure(2, k_fit_su + Arguments{"--variates", "2"}, "--variates: only with --model pm");
     expect_failure(2, {"fit", k_paper, "--with-index", "cube"}, "--with-index: only with --model su");

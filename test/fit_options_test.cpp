@@ -54,18 +54,17 @@ TEST(PmFitOptions, AreReadByTheirModelsAlone) {
             if (reads || option.name == "model") continue;
             const auto refused = fit_request(texts);
             ASSERT_FALSE(refused.ok()) << option.name << " " << model;
-            EXPECT_NE(message(refused.error()).find("only with model "), std::string::npos) << message(refused.error());
+            EXPECT_CONTAINS(message(refused.error()), "only with model ");
         }
 }
 
 TEST(PmFitOptions, SetWhatTheyName) {
-    const auto request = fit_request({{"lobes", "3"},
-                                      {"variates", "2"},
-                                      {"axial", "false"},
-                                      {"max_theta", "70"},
-                                      {"objective", "raw"},
-                                      {"seed", "18446744073709551615"}});
-    ASSERT_TRUE(request.ok()) << message(request.error());
+    const auto request = checked(fit_request({{"lobes", "3"},
+                                              {"variates", "2"},
+                                              {"axial", "false"},
+                                              {"max_theta", "70"},
+                                              {"objective", "raw"},
+                                              {"seed", "18446744073709551615"}}));
     const auto& pm = std::get<PmRequest>(request->model);
     EXPECT_EQ(std::get<LobeCount>(*pm.size).lobes, 3);
     EXPECT_EQ(pm.variates, 2);

@@ -8,6 +8,7 @@
 #include "brdf/directions.h"
 #include "brdf/values.h"
 #include "errors/picture_errors.h"
+#include "measured_files.h"
 #include "models.h"
 #include "models/ggx/ggx_kind.h"
 #include "models/pm/pm_functions.h"
@@ -21,13 +22,6 @@
 
 namespace srbf::fit_pm_test {
 namespace {
-
-const Measured& bundled(const char* name) {
-    static std::map<std::string, Measured> loaded;
-    if (!loaded.contains(name))
-        loaded[name] = *load_measured((bundled_data() / (std::string(name) + ".bsdf")).string());
-    return loaded[name];
-}
 
 Observations observed(const Evaluate& f, Objective objective = Objective::raw) { return *observe(f, {objective, 0}); }
 
@@ -57,13 +51,13 @@ PmModel model_of(int lobes, int variates, std::mt19937_64& random) {
     return model;
 }
 
-TEST(Fit, RecoversASyntheticModel) {
+TEST(FitPm, RecoversASyntheticModel) {
     std::mt19937_64 random(11);
     for (int lobes = 1; lobes <= 4; ++lobes)
         for (const int variates : {lobes % 2 ? 1 : 2, 3}) {
             const PmModel model = model_of(lobes, variates, random);
-            const auto fit = fit_pm(observed(evaluator(model)), short_search(PmForm::gaussian, lobes, variates));
-            ASSERT_TRUE(fit);
+            const auto fit =
+                checked(fit_pm(observed(evaluator(model)), short_search(PmForm::gaussian, lobes, variates)));
             const Evaluate others[] = {evaluator(fit->unrounded)};
             const auto error =
                 measure_heldout(rgb_channels(evaluator(model)), rgb_channels(others), {80 * k_degree, 0})[0];
@@ -71,7 +65,7 @@ TEST(Fit, RecoversASyntheticModel) {
         }
 }
 
-TEST(Fit, RecoversSyntheticSpectra) {
+TEST(FitPm, RecoversSyntheticSpectra) {
     std::mt19937_64 random(12);
     PmModel model = model_of(3, 3, random);
     for (int c = 0; c < 9; ++c) model.wavelength.push_back(400 + 35.5f * float(c));
@@ -81,8 +75,7 @@ TEST(Fit, RecoversSyntheticSpectra) {
     Observations observations = observed(evaluator(model));
     observe_spectra(observations, spectra(model));
     const PmFitOptions options = short_search(PmForm::gaussian, 3, 3);
-    const auto fit = fit_pm(observations, options);
-    ASSERT_TRUE(fit);
+    const auto fit = checked(fit_pm(observations, options));
     EXPECT_EQ(fit->model.wavelength, model.wavelength);
     const Channels others[] = {spectra(fit->unrounded), spectra(fit->model)};
     const auto error = measure_heldout(spectra(model), others, {80 * k_degree, 0});
@@ -93,7 +86,7 @@ TEST(Fit, RecoversSyntheticSpectra) {
     EXPECT_FALSE(fit_pm(observations, options));
 }
 
-TEST(Fit, DoesNotDependOnTheUnitOfTheData) {
+TEST(FitPm, DoesNotDependOnTheUnitOfTheData) {
     const Evaluate paper = signed_evaluator(bundled("paper_white_rgb"));
     const PmFitOptions options{.lobes = 2, .variates = 2, .starts = 4, .perturbations = 4};
     std::vector<double> losses;
@@ -106,8 +99,8 @@ TEST(Fit, DoesNotDependOnTheUnitOfTheData) {
         ASSERT_TRUE(fit) << unit;
         losses.push_back(fit->unrounded_loss);
     }
-    EXPECT_TRUE(near_relative(losses[0], losses[1], 1e-3));
-    EXPECT_TRUE(near_relative(losses[2], losses[1], 1e-3));
+    EXPECT_WITHIN_RELATIVE(losses[0], losses[1], 1e-3);
+    EXPECT_WITHIN_RELATIVE(losses[2], losses[1], 1e-3);
 }
 
 /// The fit of a bundled material with default options, computed once.
@@ -126,13 +119,12 @@ const Fitted& fitted(const char* name) {
     return fits.emplace(name, Fitted{measured, std::move(fit), measures[0], measures[1]}).first->second;
 }
 
-TEST(Fit, ReciprocalFormIsReciprocal) {
+TEST(FitPm, ReciprocalFormIsReciprocal) {
     const Measured& paper = bundled("paper_white_rgb");
     for (const bool axial : {true, false}) {
         PmFitOptions options = short_search(PmForm::reciprocal, axial ? 6 : 4, 3);
         options.axial = axial;
-        const auto fit = fit_pm(observed(reciprocal_mean(signed_evaluator(paper))), options);
-        ASSERT_TRUE(fit);
+        const auto fit = checked(fit_pm(observed(reciprocal_mean(signed_evaluator(paper))), options));
         std::mt19937_64 random(5);
         const auto draw = [&](double most_cosine) {
             return to_float(spherical(elementary::acos(most_cosine * uniform(random)), 2 * k_pi * uniform(random)));
@@ -155,7 +147,7 @@ TEST(Fit, ReciprocalFormIsReciprocal) {
 }
 
 // f rises towards the horizon such that the albedo is 0.96 at 80° and exceeds 1 beyond 82°, or a third more.
-TEST(Fit, AlbedoIsWithinItsLimit) {
+TEST(FitPm, AlbedoIsWithinItsLimit) {
     constexpr double k_none = std::numeric_limits<double>::infinity();
     struct Case {
         PmForm form;
@@ -176,8 +168,7 @@ TEST(Fit, AlbedoIsWithinItsLimit) {
         PmFitOptions options = short_search(form, 3, 2);
         options.axial = form == PmForm::extended || scale > 1, options.albedo_limit = limit;
         options.starts = options.perturbations = 2;
-        const auto fit = fit_pm(*observe(rising, {}), options);
-        ASSERT_TRUE(fit);
+        const auto fit = checked(fit_pm(*observe(rising, {}), options));
         for (const PmModel& model : {fit->model, fit->unrounded}) {
             double largest = 0;
             for (double cosine = 1; cosine >= 1e-3; cosine *= 0.93)
@@ -190,7 +181,7 @@ TEST(Fit, AlbedoIsWithinItsLimit) {
 }
 
 /// Channels that are equal everywhere have equal coefficients, also where pixels are compared.
-TEST(Fit, GreyStaysGrey) {
+TEST(FitPm, GreyStaysGrey) {
     const Evaluate film = reciprocal_mean(evaluator(bundled("cc_ibiza_sunset_rgb")));
     const Evaluate grey = [&](auto wl, auto wv, auto f) {
         film(wl, wv, f);
@@ -205,7 +196,7 @@ TEST(Fit, GreyStaysGrey) {
 }
 
 /// The mean is reciprocal, equal to a reciprocal function, and where one value is missing, equal to the other.
-TEST(Fit, ReciprocalMeanIsWeightedByTheCosines) {
+TEST(FitPm, ReciprocalMeanIsWeightedByTheCosines) {
     const Evaluate f = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) {
         for (std::size_t i = 0; i < out.size(); ++i) {
             const float missing = wl[i].x > 0.5f ? std::numeric_limits<float>::quiet_NaN() : 0;
@@ -216,9 +207,9 @@ TEST(Fit, ReciprocalMeanIsWeightedByTheCosines) {
     const std::vector<Vec3f> wl{a, b, c, a}, wv{b, a, a, c};
     std::vector<Rgb> mean(4);
     reciprocal_mean(f)(wl, wv, mean);
-    for (int k = 0; k < 3; ++k) EXPECT_TRUE(near_relative(mean[0][k], mean[1][k], 1e-6));
-    EXPECT_TRUE(near_relative(mean[0].r, 2 / (a.z + b.z), 1e-5));  // (1 + 1) / (cosθv + cosθl)
-    EXPECT_TRUE(near_relative(mean[0].g, a.z * b.z, 1e-5));
+    for (int k = 0; k < 3; ++k) EXPECT_WITHIN_RELATIVE(mean[0][k], mean[1][k], 1e-6);
+    EXPECT_WITHIN_RELATIVE(mean[0].r, 2 / (a.z + b.z), 1e-5);  // (1 + 1) / (cosθv + cosθl)
+    EXPECT_WITHIN_RELATIVE(mean[0].g, a.z * b.z, 1e-5);
     EXPECT_EQ(mean[2].b, 1);
     EXPECT_EQ(mean[3].b, 1);
     std::vector<float> channels(12);
@@ -226,7 +217,7 @@ TEST(Fit, ReciprocalMeanIsWeightedByTheCosines) {
     for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(channels[3 * i], mean[i].r);
 }
 
-TEST(Fit, EachObjectiveIsBestInItsOwnMeasure) {
+TEST(FitPm, EachObjectiveIsBestInItsOwnMeasure) {
     const std::pair<Objective, double Measures::*> objective_measures[] = {
         {Objective::raw, &Measures::squared_error_ratio},
         {Objective::cosine, &Measures::squared_error_ratio_cosine},
@@ -238,8 +229,7 @@ TEST(Fit, EachObjectiveIsBestInItsOwnMeasure) {
     std::vector<Measures> measures;
     for (const auto& [objective, measure] : objective_measures) {
         const auto fit =
-            fit_pm(*observe(signed_evaluator(film), {objective, cap}), short_search(PmForm::extended, 4, 3));
-        ASSERT_TRUE(fit);
+            checked(fit_pm(*observe(signed_evaluator(film), {objective, cap}), short_search(PmForm::extended, 4, 3)));
         const Evaluate others[] = {evaluator(fit->model)};
         measures.push_back(measure_heldout(rgb_channels(evaluator(film)), rgb_channels(others), {cap, 0})[0]);
     }
@@ -251,7 +241,7 @@ TEST(Fit, EachObjectiveIsBestInItsOwnMeasure) {
         }
 }
 
-TEST(Fit, LosesLittleByRounding) {
+TEST(FitPm, LosesLittleByRounding) {
     for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {
         const Fitted& f = fitted(name);
         EXPECT_LE(f.rounded.squared_error_ratio, 1.05 * f.unrounded.squared_error_ratio) << name;
@@ -261,7 +251,7 @@ TEST(Fit, LosesLittleByRounding) {
     }
 }
 
-TEST(Fit, RefusesBadOptionsAndObservations) {
+TEST(FitPm, RefusesInvalidOptionsAndObservations) {
     const Observations good = observed(signed_evaluator(bundled("paper_white_rgb")));
     const auto accepts = [&](auto change) {
         PmFitOptions options;

@@ -71,16 +71,14 @@ TEST(Folds, KeepGroupsTogetherAndHaveEqualSizes) {
         add(l, v), add(v, l), add({l.x, -l.y, l.z}, {v.x, -v.y, v.z}), add({-l.y, l.x, l.z}, {-v.y, v.x, v.z});
     }
     make_index(samples);
-    const auto fold = assign_folds(samples, k_cap, 7);
-    ASSERT_TRUE(fold.ok());
+    const auto fold = checked(assign_folds(samples, k_cap, 7));
     std::array<int, k_folds> size{};
     for (std::size_t i = 0; i < 500; ++i) ++size[std::size_t((*fold)[i])];
     for (const int n : size) EXPECT_TRUE(n >= 95 && n <= 105) << n;
     for (std::size_t i = 500; i < fold->size(); ++i) EXPECT_EQ((*fold)[i], (*fold)[(i - 500) / 4 * 10]);
     // If the samples are anisotropic, rotated copies belong to other groups.
     samples.isotropic = false;
-    const auto anisotropic_fold = assign_folds(samples, k_cap, 7);
-    ASSERT_TRUE(anisotropic_fold.ok());
+    const auto anisotropic_fold = checked(assign_folds(samples, k_cap, 7));
     int separated = 0;
     for (std::size_t i = 503; i < fold->size(); i += 4)
         separated += (*anisotropic_fold)[i] != (*anisotropic_fold)[(i - 503) / 4 * 10];
@@ -98,16 +96,14 @@ TEST(Folds, VeryManySamplesMayBeClose) {
         samples.wl.push_back(direction_near(0.5)), samples.wv.push_back(direction_near(0.7)),
             samples.colour.push_back({1, 1, 1});
     }
-    const auto fold = assign_folds(samples, k_cap, 0);
-    ASSERT_TRUE(fold.ok());
+    const auto fold = checked(assign_folds(samples, k_cap, 0));
     EXPECT_EQ(std::set(fold->begin() + 200, fold->end()).size(), 1u);
     EXPECT_EQ(std::set(fold->begin(), fold->begin() + 200).size(), std::size_t(k_folds));
 }
 
 TEST(Folds, TheBrightestSamplesAreInDifferentFolds) {
     const ScatteredSamples samples = samples_of(300, 0, 2);
-    const auto fold = assign_folds(samples, k_cap, 3);
-    ASSERT_TRUE(fold.ok());
+    const auto fold = checked(assign_folds(samples, k_cap, 3));
     std::vector<std::size_t> order(samples.wl.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
     std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -148,8 +144,7 @@ TEST(FacetMixture, BetweenScansFollowsMicrofacets) {
     constexpr double incidences[] = {5, 40, 60, 75};
     const auto f = [](Vec3f wl, Vec3f wv) { return value(k_two_lobes, wl, wv).g; };
     const auto observed =
-        observe(scans_of(f, incidences, 0.05), {.objective = Objective::relative, .fill_gaps = false});
-    ASSERT_TRUE(observed.ok()) << message(observed.error());
+        checked(observe(scans_of(f, incidences, 0.05), {.objective = Objective::relative, .fill_gaps = false}));
     const FacetMixture facets = fit_facets(observed->samples);
     double squares = 0;
     std::mt19937_64 random(2);
@@ -163,7 +158,7 @@ TEST(FacetMixture, BetweenScansFollowsMicrofacets) {
 }
 
 // A distribution other than GGX, evaluated at held-out incidences.
-TEST(FitToSamples, IsCloserThanGgxAtHeldoutIncidences) {
+TEST(FitSamples, IsCloserThanGgxAtHeldoutIncidences) {
     constexpr double incidences[] = {10, 30, 50, 70};
     const auto abg = [](Vec3f wl, Vec3f wv) {  // Lambert and A / (B + |Δ sinθ|^g)
         const double distance = std::hypot(double(wl.x + wv.x), double(wl.y + wv.y));
@@ -188,14 +183,13 @@ TEST(Folds, FewGroupsAreAnError) {
     make_index(samples);
     const auto fold = assign_folds(samples, k_cap, 0);
     ASSERT_FALSE(fold.ok());
-    EXPECT_NE(message(fold.error()).find("expected at least 5, found 4"), std::string::npos) << message(fold.error());
+    EXPECT_CONTAINS(message(fold.error()), "expected at least 5, found 4");
 }
 
-TEST(FitToSamples, NoiseIsNotFitted) {
+TEST(FitSamples, NoiseIsNotFitted) {
     const double noise = 0.02;
     const ScatteredSamples samples = samples_of(1500, noise, 4);
-    const auto outcome = fit({"", "", 0, samples}, {PmRequest{.size = LobeCount{3}}, Objective::raw, k_cap});
-    ASSERT_TRUE(outcome.ok());
+    const auto outcome = checked(fit({"", "", 0, samples}, {PmRequest{.size = LobeCount{3}}, Objective::raw, k_cap}));
     const double error = outcome->errors->heldout.squared_error_ratio;
     EXPECT_LT(error, 2 * noise * noise);    // the held-out samples are noisy themselves
     EXPECT_GT(error, 0.7 * noise * noise);  // a smaller error would mean that the fit used them
@@ -210,7 +204,7 @@ TEST(FitToSamples, NoiseIsNotFitted) {
     EXPECT_LT(squared_error / squares, 0.5 * noise * noise);
 }
 
-TEST(FitToSamples, AveragesValuesAtTheSameDirections) {
+TEST(FitSamples, AveragesValuesAtTheSameDirections) {
     // Two values for each pair of directions, 10 % above and below the smooth one.
     ScatteredSamples samples = samples_of(400, 0, 6);
     const std::size_t n = samples.wl.size();
@@ -222,17 +216,15 @@ TEST(FitToSamples, AveragesValuesAtTheSameDirections) {
         samples.colour[i] = {1.1f * f.r, 1.1f * f.g, 1.1f * f.b};
     }
     make_index(samples);
-    const auto observations = observe(samples, {Objective::raw, k_cap, 0});
-    ASSERT_TRUE(observations.ok());
+    const auto observations = checked(observe(samples, {Objective::raw, k_cap, 0}));
     PmFitOptions sample_options;
     sample_options.lobes = 4, sample_options.starts = 4, sample_options.perturbations = 3;
-    const auto fit = fit_pm(*observations, sample_options);
-    ASSERT_TRUE(fit.ok());
+    const auto fit = checked(fit_pm(*observations, sample_options));
     const Measures errors = errors_at(samples, samples.colour, evaluator(fit->model), k_cap);
-    EXPECT_TRUE(near(errors.squared_error_ratio, 0.01 / 1.01, 0.001)) << errors.squared_error_ratio;
+    EXPECT_WITHIN(errors.squared_error_ratio, 0.01 / 1.01, 0.001);
 }
 
-TEST(FitToSamples, StaysBoundedOutsideThePlaneOfItsSamples) {
+TEST(FitSamples, StaysBoundedOutsideThePlaneOfItsSamples) {
     ScatteredSamples samples;
     double peak = 0;
     for (int l = 0; l <= 70; l += 10)
@@ -243,12 +235,10 @@ TEST(FitToSamples, StaysBoundedOutsideThePlaneOfItsSamples) {
             peak = std::max(peak, double(samples.colour.back().g) * wl.z * wv.z);
         }
     make_index(samples);
-    const auto observations = observe(samples, {Objective::raw, k_cap, 0});
-    ASSERT_TRUE(observations.ok());
+    const auto observations = checked(observe(samples, {Objective::raw, k_cap, 0}));
     PmFitOptions options;
     options.lobes = 4, options.starts = 4, options.perturbations = 3;
-    const auto fit = fit_pm(*observations, options);
-    ASSERT_TRUE(fit.ok());
+    const auto fit = checked(fit_pm(*observations, options));
     std::mt19937_64 random(8);
     for (int i = 0; i < 20000; ++i) {
         const Vec3d wl = random_direction_within(random, 89.9 * k_degree),
@@ -294,16 +284,15 @@ Evaluate evaluator_of(Rgb (*f)(Vec3d, Vec3d)) {
 
 TEST(GapFilledSamples, MatchTheSamplesAndAreBoundedElsewhere) {
     const ScatteredSamples samples = goniometer_samples(coated);
-    const auto completed = fill_gaps(samples, k_cap);
-    ASSERT_TRUE(completed.ok());
+    const auto completed = checked(fill_gaps(samples, k_cap));
     double peak = 0;
     for (std::size_t i = 0; i < samples.wl.size(); ++i) {
         const Vec3f wl = samples.wl[i], wv = samples.wv[i];
         if (std::min(wl.z, wv.z) < sample_cap(k_cap)) continue;
         for (int c = 0; c < 3; ++c) {
             const double f = double(samples.colour[i][c]);
-            EXPECT_TRUE(near(double(value(*completed, wl, wv)[c]), f, 1e-3 * f));
-            EXPECT_TRUE(near(double(value(*completed, wv, wl)[c]), f, 1e-3 * f));
+            EXPECT_WITHIN(double(value(*completed, wl, wv)[c]), f, 1e-3 * f);
+            EXPECT_WITHIN(double(value(*completed, wv, wl)[c]), f, 1e-3 * f);
             peak = std::max(peak, f * double(wl.z) * double(wv.z));
         }
     }
@@ -321,17 +310,16 @@ TEST(GapFilledSamples, MatchTheSamplesAndAreBoundedElsewhere) {
         for (int c = 0; c < 3; ++c)
             EXPECT_TRUE(f[c] >= 0 && double(f[c]) * double(wl.z) * double(wv.z) <= 1.0001 * bound);
     }
-    const auto one_lobe = fill_gaps(samples, k_cap, 0, true);
-    ASSERT_TRUE(one_lobe.ok());
-    EXPECT_TRUE(near(one_lobe->prior_limit, 1.6 * peak, 1e-5 * peak) && one_lobe->least_bound == one_lobe->prior_limit);
+    const auto one_lobe = checked(fill_gaps(samples, k_cap, 0, true));
+    EXPECT_WITHIN(one_lobe->prior_limit, 1.6 * peak, 1e-5 * peak);
+    EXPECT_EQ(one_lobe->least_bound, one_lobe->prior_limit);
 }
 
 TEST(GapFilledSamples, RecoverAMicrofacetModel) {
     static const GgxModel paint{{0.3f, 0.1f, 0.05f}, {{0.08f, {0.05f, 0.05f, 0.05f}, 0.8f}}};
     const ScatteredSamples samples =
         goniometer_samples([](Vec3d wl, Vec3d wv) { return value(paint, to_float(wl), to_float(wv)); });
-    const auto completed = fill_gaps(samples, k_cap);
-    ASSERT_TRUE(completed.ok());
+    const auto completed = checked(fill_gaps(samples, k_cap));
     const Evaluate others[] = {evaluator(*completed), evaluator(Measured{"", "", 0, samples})};
     const auto errors = measure_heldout(rgb_channels(evaluator(paint)), rgb_channels(others), {k_cap}, 20000);
     EXPECT_LT(errors[0].squared_error_ratio, 0.001);
@@ -384,14 +372,13 @@ TEST(GapFilledSamples, HaveNoHighlightForAMatteSurface) {
     for (const ScatteredSamples& layout : layouts_without_mirror())
         for (std::uint64_t seed = 0; seed < 20; ++seed)
             for (const bool one_lobe : {false, true}) {
-                const auto completed = fill_gaps(with_noise(layout, matte, noise, seed), k_cap, 0, one_lobe);
-                ASSERT_TRUE(completed.ok());
+                const auto completed = checked(fill_gaps(with_noise(layout, matte, noise, seed), k_cap, 0, one_lobe));
                 for (const GgxModel& prior : completed->priors) EXPECT_TRUE(prior.lobes.empty());
                 for (int theta = 0; theta <= 75; theta += 15) {
                     const Rgb f = value(*completed, to_float(spherical(theta * k_degree, k_pi)),
                                         to_float(spherical(theta * k_degree, 0.0)));
                     for (int c = 0; c < 3; ++c)
-                        EXPECT_TRUE(near(double(f[c]), lambert[c], 3 * noise * lambert[c])) << seed << ' ' << theta;
+                        EXPECT_WITHIN(double(f[c]), lambert[c], 3 * noise * lambert[c]) << seed << ' ' << theta;
                 }
             }
 }
@@ -404,21 +391,19 @@ TEST(GapFilledSamples, KeepAConstant) {
         samples.colour.push_back({0.1f, 0.2f, 0.3f});
     }
     for (const bool one_lobe : {false, true}) {
-        const auto completed = fill_gaps(samples, 80 * k_degree, 0, one_lobe);
-        ASSERT_TRUE(completed.ok());
+        const auto completed = checked(fill_gaps(samples, 80 * k_degree, 0, one_lobe));
         for (int i = 0; i < 15; ++i) {
             const Vec3f wl = to_float(spherical(0.1 * i, 1.0 * i)), wv = to_float(spherical(0.1 * i, 0.0));
-            EXPECT_PRED3(near, value(*completed, wl, wv).g, 0.2, 1e-3) << i;
+            EXPECT_WITHIN(value(*completed, wl, wv).g, 0.2, 1e-3) << i;
         }
     }
 }
 
 /// Four wrong values hide the highlight from the completion, from the fit and from cross-validation.
-TEST(FitToSamples, IsJudgedAtItsSamplesToo) {
+TEST(FitSamples, IsJudgedAtItsSamplesToo) {
     ScatteredSamples samples = samples_of(250, 0, 3);
     for (const std::size_t i : {0, 60, 120, 180}) samples.colour[i] = {9999, 9999, 9999};
-    const auto outcome = fit({"", "", 0, samples}, {.model = GgxRequest{.lobes = 1}});
-    ASSERT_TRUE(outcome.ok()) << message(outcome.error());
+    const auto outcome = checked(fit({"", "", 0, samples}, {.model = GgxRequest{.lobes = 1}}));
     Comparison errors = *outcome->errors;
     EXPECT_GT(errors.samples_delta_e, 10);
     EXPECT_TRUE(headline(errors).starts_with("visible at once")) << headline(errors);
@@ -427,7 +412,7 @@ TEST(FitToSamples, IsJudgedAtItsSamplesToo) {
     errors.appearance.mean.delta_e = 5, errors.heldout_appearance->mean.delta_e = 4;
     errors.matrix.log10_rms = errors.heldout.log10_rms = 0.44;
     EXPECT_EQ(judged(errors).mean.delta_e, 5);
-    EXPECT_EQ(headline(errors).find("apart"), std::string::npos) << headline(errors);
+    EXPECT_LACKS(headline(errors), "apart");
     errors.matrix.log10_rms = 1.17;
     const auto ends =
         "3 at the samples; RMS of log10 f 1.17 at the samples, 0.44 in cross-validation, more than a factor of two "
@@ -436,24 +421,22 @@ TEST(FitToSamples, IsJudgedAtItsSamplesToo) {
 }
 
 /// Lobes do not follow the noise of samples into gaps.
-TEST(FitToSamples, HasNoHighlightForAMatteSurface) {
+TEST(FitSamples, HasNoHighlightForAMatteSurface) {
     constexpr double noise = 0.01;
     const auto matte = [](Vec3d, Vec3d) { return Rgb{0.16f, 0.13f, 0.1f}; };
     for (const ScatteredSamples& layout : layouts_without_mirror())
         for (std::uint64_t seed = 0; seed < 2; ++seed) {
-            const auto observations =
-                observe(with_noise(layout, matte, noise, seed), {.objective = Objective::appearance, .seed = seed});
-            ASSERT_TRUE(observations.ok());
+            const auto observations = checked(
+                observe(with_noise(layout, matte, noise, seed), {.objective = Objective::appearance, .seed = seed}));
             PmFitOptions sample_options;
             sample_options.lobes = 4, sample_options.starts = 3, sample_options.perturbations = 4,
             sample_options.seed = seed;
-            const auto fit = fit_pm(*observations, sample_options);
-            ASSERT_TRUE(fit.ok());
+            const auto fit = checked(fit_pm(*observations, sample_options));
             for (int theta = 0; theta <= 75; theta += 5)
-                EXPECT_TRUE(near(double(value(fit->model, to_float(spherical(theta * k_degree, k_pi)),
-                                              to_float(spherical(theta * k_degree, 0.0)))
-                                            .g),
-                                 0.13, 3 * noise * 0.13))
+                EXPECT_WITHIN(double(value(fit->model, to_float(spherical(theta * k_degree, k_pi)),
+                                           to_float(spherical(theta * k_degree, 0.0)))
+                                         .g),
+                              0.13, 3 * noise * 0.13)
                     << seed << ' ' << theta;
         }
 }
@@ -464,8 +447,7 @@ TEST(GapFilledSamples, PeakIsAtMostFourTimesTheLargestSample) {
     const auto f = [](Vec3d wl, Vec3d wv) { return value(narrow, to_float(wl), to_float(wv)); };
     for (const ScatteredSamples& layout : layouts_without_mirror()) {
         const ScatteredSamples samples = with_noise(layout, f, 0.01, 1);
-        const auto completed = fill_gaps(samples, k_cap);
-        ASSERT_TRUE(completed.ok());
+        const auto completed = checked(fill_gaps(samples, k_cap));
         double largest = 0;  // of f times the cosines
         for (std::size_t i = 0; i < samples.wl.size(); ++i)
             largest = std::max(largest, double(samples.colour[i].g) * double(samples.wl[i].z * samples.wv[i].z));
@@ -495,15 +477,15 @@ TEST(GapFilledSamples, BoundRoughnessByTheirHalfVectors) {
         return least_roughness(wl, wv);
     };
     const double tan2 = std::tan(2 * k_degree), tan12 = std::tan(12 * k_degree);
-    EXPECT_TRUE(near(least_roughness_of({5, 2, 7}), tan2, 1e-6));             // where GGX is a quarter of its peak
-    EXPECT_TRUE(near(least_roughness_of({0, 0, 0.1, 12}), tan12 / 4, 1e-6));  // the peak itself was measured
-    EXPECT_TRUE(near(least_roughness_of({2, 12}), std::max(tan2, tan12 / 4), 1e-6));
+    EXPECT_WITHIN(least_roughness_of({5, 2, 7}), tan2, 1e-6);             // where GGX is a quarter of its peak
+    EXPECT_WITHIN(least_roughness_of({0, 0, 0.1, 12}), tan12 / 4, 1e-6);  // the peak itself was measured
+    EXPECT_WITHIN(least_roughness_of({2, 12}), std::max(tan2, tan12 / 4), 1e-6);
     EXPECT_EQ(least_roughness_of({}), 0);
 }
 
 /// Pictures of gaps between lights 20° apart, with few viewers out of the plane, and of the rim of a sphere beyond
 /// the samples.
-TEST(FitToSamples, LooksLikeTheMaterialInGaps) {
+TEST(FitSamples, LooksLikeTheMaterialInGaps) {
     const ScatteredSamples samples = goniometer_samples(coated);
     const Evaluate truth = evaluator_of(coated);
     // Means over three seeds, which differ by a factor of two. A fit to the samples and interpolated values has
@@ -512,12 +494,10 @@ TEST(FitToSamples, LooksLikeTheMaterialInGaps) {
     double cosine = 0, albedo = 0, delta_e = 0, worst = 0;
     for (std::uint64_t seed = 0; seed < seeds; ++seed) {
         const auto observations =
-            observe(samples, {.objective = Objective::appearance, .max_theta = k_cap, .seed = seed});
-        ASSERT_TRUE(observations.ok());
+            checked(observe(samples, {.objective = Objective::appearance, .max_theta = k_cap, .seed = seed}));
         PmFitOptions sample_options;
         sample_options.starts = 6, sample_options.perturbations = 14, sample_options.seed = seed;
-        const auto fit = fit_pm(*observations, sample_options);
-        ASSERT_TRUE(fit.ok());
+        const auto fit = checked(fit_pm(*observations, sample_options));
         const Evaluate others[] = {evaluator(fit->model)};
         cosine +=
             measure_heldout(rgb_channels(truth), rgb_channels(others), {k_cap}, 20000)[0].squared_error_ratio_cosine /
@@ -534,15 +514,13 @@ TEST(FitToSamples, LooksLikeTheMaterialInGaps) {
 }
 
 /// Beyond the samples, near the horizon, unbounded lobes would exceed the gap-filled samples by 40 %.
-TEST(FitToSamples, HorizonHighlightsAreNoBrighterThanGapFilledSamples) {
+TEST(FitSamples, HorizonHighlightsAreNoBrighterThanGapFilledSamples) {
     const ScatteredSamples samples = goniometer_samples(coated);
     const double max_theta = 89 * k_degree;
-    const auto observations = observe(samples, {.objective = Objective::appearance, .max_theta = max_theta});
-    ASSERT_TRUE(observations.ok());
+    const auto observations = checked(observe(samples, {.objective = Objective::appearance, .max_theta = max_theta}));
     PmFitOptions sample_options;
     sample_options.lobes = 8, sample_options.starts = 3, sample_options.perturbations = 4;
-    const auto fit = fit_pm(*observations, sample_options);
-    ASSERT_TRUE(fit.ok());
+    const auto fit = checked(fit_pm(*observations, sample_options));
     for (int theta = 70; theta <= 88; ++theta) {
         const Vec3f wl = to_float(spherical(theta * k_degree, 0.0)), wv = to_float(spherical(theta * k_degree, k_pi));
         EXPECT_LT(value(fit->model, wl, wv).g, 1.2f * value(*observations->gap_filled, wl, wv).g) << theta;
@@ -550,26 +528,24 @@ TEST(FitToSamples, HorizonHighlightsAreNoBrighterThanGapFilledSamples) {
 }
 
 /// Bounds on lobes at pairs beyond the samples take few steps to satisfy, and the fit of the samples stays as good.
-TEST(FitToSamples, BoundsBarelyChangeAFitOfAMetal) {
+TEST(FitSamples, BoundsBarelyChangeAFitOfAMetal) {
     static const GgxModel metal{{0.003f, 0.002f, 0.002f}, {{0.0527f, {0.19f, 0.17f, 0.16f}, 0}}};
     const ScatteredSamples samples =
         goniometer_samples([](Vec3d wl, Vec3d wv) { return value(metal, to_float(wl), to_float(wv)); });
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
         const auto observations =
-            observe(samples, {.objective = Objective::appearance, .max_theta = 89 * k_degree, .seed = seed});
-        ASSERT_TRUE(observations.ok());
+            checked(observe(samples, {.objective = Objective::appearance, .max_theta = 89 * k_degree, .seed = seed}));
         PmFitOptions sample_options;
         sample_options.lobes = 6, sample_options.starts = 2, sample_options.perturbations = 4,
         sample_options.seed = seed;
-        const auto fit = fit_pm(*observations, sample_options);
-        ASSERT_TRUE(fit.ok());
+        const auto fit = checked(fit_pm(*observations, sample_options));
         const Measures errors = errors_at(samples, samples.colour, evaluator(fit->model), 89 * k_degree);
         EXPECT_LT(errors.squared_error_ratio, 0.001) << seed;  // 0.0022 with only a few steps
     }
 }
 
 /// A spectral fit of a paint, evaluated as colours, is as good as the fit of its colours, and nearly the same.
-TEST(FitToSamples, SpectralAndColourFitsOfAPaintAgree) {
+TEST(FitSamples, SpectralAndColourFitsOfAPaintAgree) {
     const auto path = shared_data() / "cornell" / "krylon_blue.brdf";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
     const Measured paint = *load_measured(path.string());
@@ -581,8 +557,7 @@ TEST(FitToSamples, SpectralAndColourFitsOfAPaintAgree) {
         return fit_pm(*observe(samples, ObserveSamplesOptions{Objective::raw, 80 * k_degree, 0, spectral}),
                       sample_options);
     };
-    const auto rgb = fit(false), spectral = fit(true);
-    ASSERT_TRUE(rgb && spectral);
+    const auto rgb = checked(fit(false)), spectral = checked(fit(true));
     EXPECT_EQ(spectral->model.wavelength, samples.wavelengths);
     EXPECT_EQ(payload_bytes(spectral->model), payload_bytes(rgb->model) + 2 * 4 * (31 - 3));
     const auto error_of = [&](const PmModel& model) {
@@ -602,7 +577,7 @@ TEST(FitToSamples, SpectralAndColourFitsOfAPaintAgree) {
 }
 
 /// A spectral fit has the lobes and the colours of the fit to colours where gaps are filled in colours.
-TEST(FitToSamples, GapsAreFilledForSpectraAsForColours) {
+TEST(FitSamples, GapsAreFilledForSpectraAsForColours) {
     ScatteredSamples samples = goniometer_samples(coated);
     samples.wavelengths = {450, 550, 650};
     const std::vector<Rgb> weights = rgb_weights(samples.wavelengths);
@@ -620,8 +595,7 @@ TEST(FitToSamples, GapsAreFilledForSpectraAsForColours) {
         options.spectral = spectral;
         return fit_pm(*observe(samples, options), sample_options);
     };
-    const auto rgb = fit(false), spectral = fit(true);
-    ASSERT_TRUE(rgb && spectral);
+    const auto rgb = checked(fit(false)), spectral = checked(fit(true));
     EXPECT_EQ(spectral->model.wavelength, samples.wavelengths);
     EXPECT_EQ(spectral->model.parameterization, rgb->model.parameterization);
     std::vector<Rgb> colours(samples.wl.size());
@@ -630,7 +604,7 @@ TEST(FitToSamples, GapsAreFilledForSpectraAsForColours) {
               1e-4);  // coefficients are rounded to 16 bits
 }
 
-TEST(FitToSamples, TooFewOrUnusableSamplesAreAnError) {
+TEST(FitSamples, TooFewOrUnusableSamplesAreAnError) {
     const auto error_message = [](const ScatteredSamples& samples, int lobes) {
         const auto observations = observe(samples, {Objective::raw, k_cap, 0});
         if (!observations) return message(observations.error());
@@ -639,16 +613,14 @@ TEST(FitToSamples, TooFewOrUnusableSamplesAreAnError) {
         const auto fit = fit_pm(*observations, sample_options);
         return fit ? std::string() : message(fit.error());
     };
-    EXPECT_NE(error_message(samples_of(20, 0, 9), 8).find("samples: expected at least 96 values, found 60"),
-              std::string::npos)
-        << error_message(samples_of(20, 0, 9), 8);
+    EXPECT_CONTAINS(error_message(samples_of(20, 0, 9), 8), "samples: expected at least 96 values, found 60");
     EXPECT_EQ(error_message(samples_of(40, 0, 9), 2), "");
     ScatteredSamples black = samples_of(40, 0, 9);
     for (Rgb& f : black.colour) f = {0, -1, 0};
-    EXPECT_NE(error_message(black, 1).find("some above 0"), std::string::npos);
+    EXPECT_CONTAINS(error_message(black, 1), "some above 0");
     ScatteredSamples grazing = samples_of(40, 0, 9);
     for (Vec3f& w : grazing.wl) w = to_float(spherical(88 * k_degree, 1.0));
-    EXPECT_NE(error_message(grazing, 1).find("within the largest angle"), std::string::npos);
+    EXPECT_CONTAINS(error_message(grazing, 1), "within the largest angle");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "brdf/values.h"
 #include "errors/measures.h"
 #include "errors/picture_errors.h"
+#include "measured_files.h"
 #include "models/su/fit_su.h"
 #include "models/su/su_functions.h"
 #include "srbf/measured.h"
@@ -18,12 +19,6 @@ namespace {
 
 constexpr double k_cap = 80 * k_degree;
 const SuFitOptions k_raw{.lobes = 4, .objective = Objective::raw};
-
-const Measured& bundled(const std::string& name) {
-    static std::map<std::string, Measured> files;
-    if (!files.contains(name)) files.emplace(name, *load_measured(bundled_data() / (name + ".bsdf")));
-    return files.at(name);
-}
 
 /// The raw matrix of a bundled measurement, by default with 384 directions.
 RawMatrix matrix_of(const std::string& name, int directions = 384) {
@@ -78,10 +73,9 @@ TEST(FitSu, RecoversSeparatedLobes) {
             SuFitOptions options = k_raw;
             options.lobes = lobes;
             // Interpolation between independent views is not meaningful.
-            const auto matrix = tabulate(evaluator(truth), {.directions = 256, .between = isotropic ? 128 : 0});
-            ASSERT_TRUE(matrix);
-            const auto fit = fit_su(*matrix, options);
-            ASSERT_TRUE(fit) << message(fit.error());
+            const auto matrix =
+                checked(tabulate(evaluator(truth), {.directions = 256, .between = isotropic ? 128 : 0}));
+            const auto fit = checked(fit_su(*matrix, options));
             EXPECT_LE(matrix_error(evaluator(truth), fit->unrounded), 1e-6) << lobes << isotropic;
             EXPECT_LE(matrix_error(evaluator(truth), fit->model), 1e-5) << lobes << isotropic;
             EXPECT_EQ(fit->empty, 0);
@@ -94,8 +88,7 @@ TEST(FitSu, ApproximatesMeasurements) {
         double matrix, heldout;
     } bounds[] = {{"paper_white_rgb", 0.005, 0.005}, {"cc_ibiza_sunset_rgb", 0.0012, 0.006}};
     for (const auto& bound : bounds) {
-        const auto fit = fit_su(matrix_of(bound.name, 1536), k_raw);
-        ASSERT_TRUE(fit);
+        const auto fit = checked(fit_su(matrix_of(bound.name, 1536), k_raw));
         EXPECT_EQ(payload_bytes(fit->model), 73728u);
         const Evaluate reference = evaluator(bundled(bound.name));
         const double error = matrix_error(reference, fit->model), unrounded = matrix_error(reference, fit->unrounded);
@@ -144,31 +137,29 @@ TEST(FitSu, ScalesWithItsData) {
     RawMatrix matrix = *tabulate(evaluator(separated_lobes(3, true, 7)), {.directions = 128});
     SuFitOptions options = k_raw;
     options.lobes = 2;
-    const auto fit = fit_su(matrix, options);
+    const auto fit = checked(fit_su(matrix, options));
     for (Rgb& f : matrix.f) f = {4 * f.r, 4 * f.g, 4 * f.b};
     for (auto& between : matrix.between) between.f = {4 * between.f.r, 4 * between.f.g, 4 * between.f.b};
-    const auto scaled = fit_su(matrix, options);
-    ASSERT_TRUE(fit && scaled);
+    const auto scaled = checked(fit_su(matrix, options));
     std::mt19937_64 random(1);
     for (int i = 0; i < 500; ++i) {
         const Vec3f wl = to_float(random_direction(random, 0.2)), wv = to_float(random_direction(random, 0.2));
         const double f = double(value(fit->unrounded, wl, wv).g), scaled_f = double(value(scaled->unrounded, wl, wv).g);
-        EXPECT_TRUE(near_relative(scaled_f, 4 * f, 1e-3)) << f << ' ' << scaled_f;
+        EXPECT_WITHIN_RELATIVE(scaled_f, 4 * f, 1e-3);
     }
 }
 
 TEST(FitSu, DiscretisesEitherDirection) {
     const Evaluate f = signed_evaluator(bundled("cc_ibiza_sunset_rgb"));
-    const auto by_view = fit_su(*tabulate(exchanged(f), {.directions = 128}), k_raw);
-    const auto by_light = fit_su(*tabulate(f, {.directions = 128, .discretise = Discretise::light}), k_raw);
-    ASSERT_TRUE(by_view && by_light);
-    EXPECT_EQ(by_light->model.discretise, Discretise::light);
+    const auto view_fit = checked(fit_su(*tabulate(exchanged(f), {.directions = 128}), k_raw));
+    const auto light_fit = checked(fit_su(*tabulate(f, {.directions = 128, .discretise = Discretise::light}), k_raw));
+    EXPECT_EQ(light_fit->model.discretise, Discretise::light);
     std::mt19937_64 random(2);
     for (int i = 0; i < 500; ++i) {
         const Vec3f a = to_float(random_direction(random, 0)), b = to_float(random_direction(random, 0));
-        EXPECT_EQ(value(by_light->model, a, b), value(by_view->model, b, a));
+        EXPECT_EQ(value(light_fit->model, a, b), value(view_fit->model, b, a));
     }
-    EXPECT_LE(matrix_error(evaluator(bundled("cc_ibiza_sunset_rgb")), by_light->model), 0.002);
+    EXPECT_LE(matrix_error(evaluator(bundled("cc_ibiza_sunset_rgb")), light_fit->model), 0.002);
 }
 
 TEST(FitSu, EachObjectiveIsBestInItsOwnMeasure) {
@@ -178,8 +169,8 @@ TEST(FitSu, EachObjectiveIsBestInItsOwnMeasure) {
         {Objective::log, &Measures::log_rms_cosine},
         {Objective::cube_root, &Measures::cube_root_error_ratio},
         {Objective::relative, &Measures::log10_rms}};
-    const auto matrix = tabulate(signed_evaluator(bundled("cc_ibiza_sunset_rgb")), {.directions = 256, .between = 0});
-    ASSERT_TRUE(matrix);
+    const auto matrix =
+        checked(tabulate(signed_evaluator(bundled("cc_ibiza_sunset_rgb")), {.directions = 256, .between = 0}));
     std::vector<SuModel> models;
     for (const auto& [objective, measure] : objectives)
         models.push_back(fit_su(*matrix, {.lobes = 2, .objective = objective, .max_theta = k_cap})->model);
@@ -196,8 +187,7 @@ TEST(FitSu, StaysBoundedUpToTheHorizon) {
     for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {
         SuFitOptions options = k_raw;
         options.lobes = 6;
-        const auto fit = fit_su(matrix_of(name, 768), options);
-        ASSERT_TRUE(fit);
+        const auto fit = checked(fit_su(matrix_of(name, 768), options));
         std::mt19937_64 random(3);
         double measured = 0, largest = 0;
         for (int i = 0; i < 200000; ++i) {
@@ -228,8 +218,7 @@ TEST(FitSu, ViewsWithoutDataAreEmpty) {
         matrix.f[11 * 64 + l] = {};                     // a black view
         if (l > 10) matrix.f[12 * 64 + l] = {};         // a view that is black within 80°
     }
-    const auto fit = fit_su(matrix, k_raw);
-    ASSERT_TRUE(fit) << message(fit.error());
+    const auto fit = checked(fit_su(matrix, k_raw));
     EXPECT_EQ(fit->empty, 3);
     for (std::size_t view = 0; view < 64; ++view)
         for (std::size_t l = 11; l < 64; ++l) {
@@ -239,8 +228,7 @@ TEST(FitSu, ViewsWithoutDataAreEmpty) {
         }
     // A matrix without any data.
     for (Rgb& f : matrix.f) f = {k_nan, k_nan, k_nan};
-    const auto none = fit_su(matrix, k_raw);
-    ASSERT_TRUE(none);
+    const auto none = checked(fit_su(matrix, k_raw));
     EXPECT_EQ(none->empty, 64);
     EXPECT_EQ(value(none->model, {0, 0, 1}, {0, 0, 1}), Rgb{});
     // A matrix with some missing values.
@@ -264,8 +252,7 @@ TEST(FitSu, RefusesBadOptionsAndMatrices) {
         EXPECT_NE(option_error([&](SuFitOptions& o) { o.max_theta = bad; }), "") << bad;
     EXPECT_NE(option_error([](SuFitOptions& o) { o.threads = -1; }), "");
     // 53 of the 64 directions are within 80°.
-    EXPECT_NE(option_error([](SuFitOptions& o) { o.lobes = 60; }).find("expected none or at least 60"),
-              std::string::npos);
+    EXPECT_CONTAINS(option_error([](SuFitOptions& o) { o.lobes = 60; }), "expected none or at least 60");
 
     const auto matrix_error_message = [&](auto change) {
         RawMatrix bad = good;
@@ -273,10 +260,10 @@ TEST(FitSu, RefusesBadOptionsAndMatrices) {
         const auto fit = fit_su(bad, k_raw);
         return fit ? "" : message(fit.error());
     };
-    EXPECT_NE(matrix_error_message([](RawMatrix& m) {
-                  for (std::size_t l = 0; l < 61; ++l) m.f[20 * 64 + l].r = k_nan;
-              }).find("directions with data in sampled view 20"),
-              std::string::npos);
+    EXPECT_CONTAINS(matrix_error_message([](RawMatrix& m) {
+                        for (std::size_t l = 0; l < 61; ++l) m.f[20 * 64 + l].r = k_nan;
+                    }),
+                    "directions with data in sampled view 20");
     EXPECT_NE(matrix_error_message([](RawMatrix& m) { m.f.pop_back(); }), "");
     EXPECT_NE(matrix_error_message([](RawMatrix& m) { m.between.pop_back(); }), "");
     EXPECT_NE(matrix_error_message([](RawMatrix& m) { m = {}; }), "");
@@ -284,8 +271,7 @@ TEST(FitSu, RefusesBadOptionsAndMatrices) {
         EXPECT_FALSE(tabulate(signed_evaluator(bundled("paper_white_rgb")), {.directions = bad})) << bad;
     // The smallest number of directions.
     const RawMatrix few = matrix_of("paper_white_rgb", k_least_views);
-    const auto fit = fit_su(few, {.lobes = 2, .objective = Objective::raw});
-    ASSERT_TRUE(fit);
+    const auto fit = checked(fit_su(few, {.lobes = 2, .objective = Objective::raw}));
     EXPECT_TRUE(is_finite(value(fit->model, {0, 0, 1}, {0, 0.6f, 0.8f})));
 }
 
@@ -295,8 +281,7 @@ TEST(Tabulate, SamplesTheFunctionAndCountsInvalidValues) {
             out[i] = wl[i].x < -0.9f ? Rgb{1, k_nan, 1} : Rgb{wl[i].x, wv[i].z, wl[i].y + 2 * wv[i].y};
     };
     for (const auto discretise : {Discretise::view, Discretise::light}) {
-        const auto matrix = tabulate(f, {.directions = 50, .between = 40, .discretise = discretise});
-        ASSERT_TRUE(matrix);
+        const auto matrix = checked(tabulate(f, {.directions = 50, .between = 40, .discretise = discretise}));
         std::uint64_t masked = 0, clamped = 0;
         const auto check = [&](Vec3f wl, Vec3f wv, const Rgb& tabulated, bool counts) {
             Rgb expected;
@@ -316,12 +301,12 @@ TEST(Tabulate, SamplesTheFunctionAndCountsInvalidValues) {
                 check(matrix->direction[l], matrix->direction[v], matrix->f[v * 50 + l], true);
             for (std::size_t k = v * 40; k < (v + 1) * 40; ++k) {
                 const auto& between = matrix->between[k];
-                const bool by_view = discretise == Discretise::view;
-                check(by_view ? between.direction : matrix->direction[v],
-                      by_view ? matrix->direction[v] : between.direction, between.f, false);
-                EXPECT_TRUE(near_relative(
+                const bool views_are_sampled = discretise == Discretise::view;
+                check(views_are_sampled ? between.direction : matrix->direction[v],
+                      views_are_sampled ? matrix->direction[v] : between.direction, between.f, false);
+                EXPECT_WITHIN_RELATIVE(
                     double(between.pdf),
-                    MirrorMixture(k_pi / 2).pdf(to_double(between.direction), to_double(matrix->direction[v])), 0.05));
+                    MirrorMixture(k_pi / 2).pdf(to_double(between.direction), to_double(matrix->direction[v])), 0.05);
             }
         }
         EXPECT_EQ(matrix->masked, masked);

@@ -32,7 +32,7 @@
 #include "models/ggx/ggx_kind.h"
 #endif
 
-namespace srbf {
+namespace srbf::floating_point_test {
 namespace {
 
 /// Counts of the numbers that the loops read and wrote.
@@ -112,7 +112,7 @@ template <typename Body> void expect_few(const Body& body, std::uint64_t many = 
     EXPECT_LT(count.subnormal, count.total / 40);
 }
 
-TEST(InnerLoops, CountsSubnormalNumbers) {
+TEST(FloatingPoint, CountersFindSubnormalNumbers) {
     std::vector<float> numbers(k_block, 1.f);
     numbers[3] = std::bit_cast<float>(std::uint32_t(7)), numbers[5] = 0;
     const Counts count = counts_of([&] { count_numbers(numbers.data()); });
@@ -120,35 +120,30 @@ TEST(InnerLoops, CountsSubnormalNumbers) {
     EXPECT_EQ(count.subnormal, 1u);
 }
 
-TEST(InnerLoops, HaveFewSubnormalsInTheDefaultFit) {
+TEST(FloatingPoint, FewNumbersOfTheDefaultFitAreSubnormal) {
     const Measured measured = film();
-    expect_few([&] {
-        const auto fit = fit_pm(*observe(signed_evaluator(measured), {}), {});
-        ASSERT_TRUE(fit.ok());
-    });
+    expect_few([&] { const auto fit = checked(fit_pm(*observe(signed_evaluator(measured), {}), {})); });
 }
 
-TEST(InnerLoops, HaveFewSubnormalsInAViewByViewFit) {
+TEST(FloatingPoint, FewNumbersOfAViewByViewFitAreSubnormal) {
     const Measured measured = film();
     expect_few([&] {
         const auto matrix = tabulate(signed_evaluator(measured), {.directions = 192});
-        const auto fit = fit_su(*matrix, {.lobes = 5});
-        ASSERT_TRUE(fit.ok());
+        const auto fit = checked(fit_su(*matrix, {.lobes = 5}));
     });
 }
 
-TEST(InnerLoops, HaveFewSubnormalsInAFitOfMeasuredSpectra) {
+TEST(FloatingPoint, FewNumbersOfAFitOfMeasuredSpectraAreSubnormal) {
     const auto path = shared_data() / "cornell" / "krylon_blue.brdf";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
     const Measured measured = *load_measured(path.string());
     expect_few(
         [&] {
             const auto observations =
-                observe(std::get<ScatteredSamples>(measured.table),
-                        ObserveSamplesOptions{.objective = Objective::cube_root, .spectral = true});
-            ASSERT_TRUE(observations.ok());
-            const auto fit = fit_pm(*observations, {.lobes = 6, .variates = 3, .starts = 4, .perturbations = 8});
-            ASSERT_TRUE(fit.ok());
+                checked(observe(std::get<ScatteredSamples>(measured.table),
+                                ObserveSamplesOptions{.objective = Objective::cube_root, .spectral = true}));
+            const auto fit =
+                checked(fit_pm(*observations, {.lobes = 6, .variates = 3, .starts = 4, .perturbations = 8}));
         },
         k_many / 10);
 }
@@ -257,7 +252,7 @@ TEST(CallersMode, HasNoEffectAndIsKept) {
         }
 }
 
-/// A file of any kind: models as their files, and values at some pairs.
+/// A measurement or model of any kind as bytes: a model as its file, a measurement as values at some pairs.
 std::string contents_read(const std::filesystem::path& path) {
     std::string read;
     const auto add = [&](const auto& list) {
@@ -306,4 +301,4 @@ TEST(CallersMode, HasNoEffectOnReadingFiles) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::floating_point_test

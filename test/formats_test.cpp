@@ -23,8 +23,8 @@ std::uint64_t children_memory() {
 
 void expect_frugal(const std::string& name, std::span<const std::byte> bytes, int status = 0) {
     const TemporaryFolder folder;
-    write(folder / name, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-    const ProgramRun shown = run(folder, {"info", name});
+    write_text(folder / name, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    const ProgramRun shown = run_srbf(folder, {"info", name});
     EXPECT_EQ(shown.status, status) << shown.err;
     EXPECT_LT(children_memory(), 4 * bytes.size() + (64 << 20)) << name;
 }
@@ -55,7 +55,7 @@ TEST(Formats, ReadingTakesFourTimesTheFile) {
     expect_frugal("t.binary", write_merl(merl));
 }
 
-/// A Python interpreter with numpy; empty: none.
+/// A Python interpreter that has NumPy; empty if there is none.
 std::string python_with_numpy() {
     for (const std::string python : {"python3", "/usr/bin/python3"})
         if (std::system((python + " -c 'import numpy' >/dev/null 2>&1").c_str()) == 0) return python;
@@ -66,7 +66,7 @@ TEST(Formats, NumpyReadsModels) {
     const std::string python = python_with_numpy();
     if (python.empty()) GTEST_SKIP() << "no python3 with numpy (Debian: python3-numpy)";
     const TemporaryFolder folder;
-    write(folder / "model.py", contents(std::filesystem::path(SRBF_SOURCE_DIR) / "examples" / "read_model.py"));
+    write_text(folder / "model.py", read_text(std::filesystem::path(SRBF_SOURCE_DIR) / "examples" / "read_model.py"));
 
     std::mt19937_64 random(1);
     std::vector<Vec3f> wl, wv;
@@ -77,7 +77,7 @@ TEST(Formats, NumpyReadsModels) {
         pairs += fmt::format("{},{},{},{},{},{}\n", wl[wl.size() - 1].x, wl.back().y, wl.back().z, wv.back().x,
                              wv.back().y, wv.back().z);
     }
-    write(folder / "pairs.csv", pairs);
+    write_text(folder / "pairs.csv", pairs);
     // Axial models of each form, of colours and of spectra.
     for (const PmForm form : k_forms)
         for (const int wavelengths : {0, 5}) {
@@ -92,11 +92,11 @@ TEST(Formats, NumpyReadsModels) {
             const Channels expected = channels(model);
             std::vector<float> f(expected.count() * wl.size());
             expected.evaluate(wl, wv, f);
-            std::istringstream out(contents(folder / "out.csv"));
+            std::istringstream out(read_text(folder / "out.csv"));
             for (std::size_t i = 0; i < f.size(); ++i) {
                 std::string number;
                 std::getline(out, number, (i + 1) % expected.count() > 0 ? ',' : '\n');
-                EXPECT_PRED3(near, std::atof(number.c_str()), f[i], 1e-3 * double(f[i]) + 1e-9);
+                EXPECT_WITHIN(std::atof(number.c_str()), f[i], 1e-3 * double(f[i]) + 1e-9);
             }
             std::string rest;
             EXPECT_FALSE(std::getline(out, rest));
@@ -110,7 +110,7 @@ TEST(Formats, LargeValuesAreKeptOrRefused) {
         const auto saved = save_model(model, folder / "x.srbf");
         EXPECT_FALSE(saved.ok() || std::filesystem::exists(folder / "x.srbf"));
         if (!saved) {
-            EXPECT_NE(message(saved.error()).find("at most 65504, the largest 16-bit float, found"), std::string::npos);
+            EXPECT_CONTAINS(message(saved.error()), "at most 65504, the largest 16-bit float, found");
         }
     };
     std::mt19937_64 random(1);
@@ -129,9 +129,9 @@ TEST(Formats, LargeValuesAreKeptOrRefused) {
     // f of 10⁷ by a log scale.
     pm.coefficient = {{100, 100, 100}}, pm.log_scale = {11.5f};
     ASSERT_TRUE(save_model({pm, {}}, folder / "m.srbf").ok());
-    write(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0.6,0.8,0.6,0,0.8\n");
+    write_text(folder / "pairs.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0.6,0.8,0.6,0,0.8\n");
     const auto red = [&](const std::string& file) {
-        const std::string row = run(folder, {"eval", file, "--pairs", "p.csv"}).out;
+        const std::string row = run_srbf(folder, {"eval", file, "--pairs", "pairs.csv"}).out;
         const auto line = row.substr(row.find('\n') + 1);
         std::size_t at = 0;
         for (int comma = 0; comma < 6; ++comma) at = line.find(',', at) + 1;
@@ -140,14 +140,14 @@ TEST(Formats, LargeValuesAreKeptOrRefused) {
     const double expected = red("m.srbf");
     EXPECT_GT(expected, 1e5);
     for (const std::string output : {"o.csv", "o.binary", "o.bsdf", "o.mbsdf"}) {
-        const ProgramRun converted = run(folder, {"convert", "m.srbf", "-o", output});
-        ASSERT_EQ(converted.status, 0) << output << converted.err;
-        EXPECT_PRED3(near, red(output), expected, 0.1 * expected) << output;
+        run_ok(folder, {"convert", "m.srbf", "-o", output});
+        EXPECT_WITHIN(red(output), expected, 0.1 * expected) << output;
     }
     // Facets have no scale.
-    const ProgramRun fit = run(folder, {"fit", "o.binary", "--model", "ggx", "--objective", "raw", "-o", "g.srbf"});
+    const ProgramRun fit =
+        run_srbf(folder, {"fit", "o.binary", "--model", "ggx", "--objective", "raw", "-o", "g.srbf"});
     EXPECT_EQ(fit.status, 1);
-    EXPECT_NE(fit.err.find("the largest 16-bit float"), fit.err.npos) << fit.err;
+    EXPECT_CONTAINS(fit.err, "the largest 16-bit float");
 }
 
 }  // namespace

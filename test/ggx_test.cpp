@@ -42,8 +42,8 @@ TEST(Ggx, IsReciprocalIsotropicAndNeverNegative) {
         const Rgb h = value(model, turned(wl), turned(wv));
         for (int c = 0; c < 3; ++c) {
             EXPECT_GE(f[c], 0);
-            EXPECT_TRUE(near(f[c], g[c], 1e-5 * double(f[c])));
-            EXPECT_TRUE(near(f[c], h[c], 1e-4 * double(f[c]))) << f[c] << ' ' << h[c];
+            EXPECT_WITHIN(f[c], g[c], 1e-5 * double(f[c]));
+            EXPECT_WITHIN(f[c], h[c], 1e-4 * double(f[c]));
         }
     }
     EXPECT_EQ(value(random_ggx(random, 1), {0, 0, -1}, {0, 0, 1}), Rgb{});
@@ -52,8 +52,7 @@ TEST(Ggx, IsReciprocalIsotropicAndNeverNegative) {
 TEST(Ggx, ALambertianReflectsItsColour) {
     const GgxModel model{{0.2f, 0.5f, 0.9f}, {{0.3f, {}, 0}}};
     for (const double theta : {0.0, 1.0, 1.4})
-        for (int c = 0; c < 3; ++c)
-            EXPECT_TRUE(near(albedo(evaluator(model), theta, k_pi / 2)[c], model.diffuse[c], 2e-4));
+        for (int c = 0; c < 3; ++c) EXPECT_WITHIN(albedo(evaluator(model), theta, k_pi / 2)[c], model.diffuse[c], 2e-4);
 }
 
 TEST(Ggx, FacetsReflectNoMoreThanTheyGetAndSmoothOnesAll) {
@@ -61,29 +60,28 @@ TEST(Ggx, FacetsReflectNoMoreThanTheyGetAndSmoothOnesAll) {
     for (const float alpha : {0.02f, 0.1f, 0.3f, 1.0f})
         for (const double theta : {0.0, 0.7, 1.2})
             EXPECT_LT(facet_albedo(alpha, theta), 1 + 1e-3) << alpha << ' ' << theta;
-    EXPECT_TRUE(near(facet_albedo(0.02f, 0.0), 1, 2e-3));
+    EXPECT_WITHIN(facet_albedo(0.02f, 0.0), 1, 2e-3);
     // At α = 1 and normal incidence the albedo is 1 - ln 2: ∫ cosθl / (2 (1 + cosθl)) dcosθl, twice.
-    EXPECT_TRUE(near(facet_albedo(1, 0.0), 1 - elementary::log(2.0), 1e-4));
+    EXPECT_WITHIN(facet_albedo(1, 0.0), 1 - elementary::log(2.0), 1e-4);
 }
 
 TEST(Ggx, IsFittedBack) {
     std::mt19937_64 random(3);
     for (int i = 0; i < 8; ++i) {
         const GgxModel truth = random_ggx(random, 1 + i % 2);
-        const auto observed = observe(evaluator(truth), {.objective = Objective::cosine, .count = 8192});
-        ASSERT_TRUE(observed.ok());
-        const auto fit = Kind<GgxModel>::fit(*observed, {int(truth.lobes.size())});
-        ASSERT_TRUE(fit.ok());
+        const auto observed = checked(observe(evaluator(truth), {.objective = Objective::cosine, .count = 8192}));
+        const auto fit = checked(Kind<GgxModel>::fit(*observed, {int(truth.lobes.size())}));
         EXPECT_EQ(payload_bytes(fit->model), truth.lobes.size() == 1 ? 16u : 26u);
         EXPECT_LT(fit->unrounded_loss, 1e-6);
         EXPECT_LT(fit->loss, 1e-5);  // roughness in halves
-        EXPECT_TRUE(
-            near(fit->unrounded.lobes[0].roughness, truth.lobes[0].roughness, 2e-3 * double(truth.lobes[0].roughness)));
+        EXPECT_WITHIN(fit->unrounded.lobes[0].roughness, truth.lobes[0].roughness,
+                      2e-3 * double(truth.lobes[0].roughness));
     }
 }
 
-/// Two lobes are fitted back from their pictures. One lobe in their place looks more like them if pictures are observed.
-TEST(Ggx, IsFittedToWhatIsSeen) {
+/// Two lobes are fitted back from their pictures. One lobe in their place looks more like them if pictures are
+/// observed.
+TEST(Ggx, IsFittedToVisibleDifferences) {
     std::mt19937_64 random(5);
     const GgxModel truth = random_ggx(random, 2);
     const auto observed = observe(evaluator(truth), {.count = 8192});
@@ -114,19 +112,18 @@ TEST(Ggx, FitScalesWithTheData) {
             },
             {.objective = Objective::cube_root, .count = 4096});
     };
-    const auto once = Kind<GgxModel>::fit(observed_times(1)), large = Kind<GgxModel>::fit(observed_times(64));
-    ASSERT_TRUE(once.ok() && large.ok());
-    EXPECT_TRUE(near(large->unrounded.diffuse.g, 64 * double(once->unrounded.diffuse.g),
-                     64e-4 * double(once->unrounded.diffuse.g) + 1e-6));
-    EXPECT_TRUE(near(large->unrounded.lobes[0].roughness, once->unrounded.lobes[0].roughness, 1e-4));
+    const auto once = checked(Kind<GgxModel>::fit(observed_times(1))),
+               large = checked(Kind<GgxModel>::fit(observed_times(64)));
+    EXPECT_WITHIN(large->unrounded.diffuse.g, 64 * double(once->unrounded.diffuse.g),
+                  64e-4 * double(once->unrounded.diffuse.g) + 1e-6);
+    EXPECT_WITHIN(large->unrounded.lobes[0].roughness, once->unrounded.lobes[0].roughness, 1e-4);
 }
 
 TEST(Ggx, NoiseBelowZeroIsFitted) {
     std::mt19937_64 random(5);
     const GgxModel truth = random_ggx(random, 1);
     for (const Objective objective : objectives()) {
-        auto observed = observe(evaluator(truth), {.objective = objective, .count = 1024});
-        ASSERT_TRUE(observed.ok());
+        auto observed = checked(observe(evaluator(truth), {.objective = objective, .count = 1024}));
         for (std::size_t i = 0; i < observed->fitted_count(); i += 8) observed->f[i] = {-observed->f[i].r, -1, -1e-3f};
         const auto fit = Kind<GgxModel>::fit(*observed);
         ASSERT_TRUE(fit.ok()) << name(objective);
@@ -135,8 +132,7 @@ TEST(Ggx, NoiseBelowZeroIsFitted) {
 }
 
 TEST(Ggx, RefusesOtherNumbersOfLobes) {
-    const auto observed = observe(evaluator(GgxModel{{1, 1, 1}, {{0.5f, {}, 0}}}), {.count = 1024});
-    ASSERT_TRUE(observed.ok());
+    const auto observed = checked(observe(evaluator(GgxModel{{1, 1, 1}, {{0.5f, {}, 0}}}), {.count = 1024}));
     for (const int lobes : {0, 3, -1}) EXPECT_FALSE(Kind<GgxModel>::fit(*observed, {lobes}).ok());
 }
 

@@ -54,7 +54,7 @@ TEST(Half, RoundingIsMonotoneAndIdempotent) {
         EXPECT_EQ(round_to_half(rounded), rounded);
         EXPECT_EQ(round_to_half(-a), -rounded);
         if (std::abs(a) >= k_half_min && std::abs(a) <= k_half_max) {
-            EXPECT_TRUE(near_relative(rounded, a, 0x1p-11)) << a;
+            EXPECT_WITHIN_RELATIVE(rounded, a, 0x1p-11);
         }
     }
 }

@@ -13,13 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Programs are slow under sanitizers and keep freed memory.
-#ifdef __SANITIZE_ADDRESS__
-constexpr bool k_is_sanitized = true;
-#else
-constexpr bool k_is_sanitized = false;
-#endif
-
 /// Writes `part` `count` times between `first` and `last`, without holding it in memory: a child process starts with
 /// the memory size of this program.
 void write_many(const fs::path& path, const std::string& first, std::string_view part, std::size_t count,
@@ -44,12 +37,12 @@ std::string model_with_header(std::size_t length, const std::string& header) {
 /// The peak memory of a run of the program [bytes].
 std::int64_t peak_memory(const TemporaryFolder& folder, const Arguments& arguments) {
     const TemporaryFolder captured;
-    const pid_t process = start(folder, arguments, captured / "out", captured / "err");
+    const pid_t process = start_srbf(folder, arguments, captured / "out", captured / "err");
     int status = 0;
     rusage usage{};
     EXPECT_EQ(::wait4(process, &status, 0, &usage), process);
     EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) <= 1);
-    const std::string err = contents(captured / "err");
+    const std::string err = read_text(captured / "err");
     EXPECT_LE(std::ranges::count(err, '\n'), 1) << err;
     return std::int64_t(usage.ru_maxrss) * 1024;
 }
@@ -134,7 +127,7 @@ struct ExrHeader {
 
 /// Sizes, counts, types and offsets that are impossible for a file of that length.
 TEST_F(Hostile, HeadersOfOpenExrAreBounded) {
-    if (!is_offered({"render"})) GTEST_SKIP() << "without srbf render";
+    if (!is_built({"render"})) GTEST_SKIP() << "without srbf render";
     constexpr std::uint32_t k_max = 0x7fffffff, k_tiled = 0x200;
     const auto tiles = [](std::uint32_t side, char mode) {
         return ExrHeader::attribute("tiles", "tiledesc", little_endian(side, 4) + little_endian(side, 4) + mode);
@@ -169,14 +162,14 @@ TEST_F(Hostile, HeadersOfOpenExrAreBounded) {
         {"block_size", plain.text() + first_row + little_endian(0, 4) + little_endian(k_max, 4)},
         {"negative_block_size", plain.text() + first_row + little_endian(k_max + 1, 4) + little_endian(-1ull, 4)},
     };
-    write(folder / "s.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n");
+    write_text(folder / "s.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n");
     const auto render = [](const std::string& file) {
         return Arguments{"render", "s.csv", "-o", "x.png", "--env", file, "--size", "2x2", "--spp", "1"};
     };
     const std::int64_t base = peak_memory(folder, render("missing"));
     for (const auto& [name, header] : files) {
         SCOPED_TRACE(name);
-        write(folder / name, header + zeros);
+        write_text(folder / name, header + zeros);
         expect_failure(1, render(name), "srbf: " + name + ": ");
         const std::int64_t used = peak_memory(folder, render(name)) - base;
         if (!k_is_sanitized) {
@@ -190,7 +183,7 @@ TEST_F(Hostile, HeadersOfOpenExrAreBounded) {
 TEST_F(Hostile, UnknownInputIsRejectedAfterItsBeginning) {
     for (const auto& [name, start] :
          {std::pair("zeros", std::string(64, '\0')), {"words", std::string("these are words\n")}}) {
-        write(folder / name, start);
+        write_text(folder / name, start);
         fs::resize_file(folder / name, std::uint64_t(1) << 33);
         for (const Arguments& arguments : {Arguments{"info", name},
                                            {"fit", name},
@@ -202,7 +195,7 @@ TEST_F(Hostile, UnknownInputIsRejectedAfterItsBeginning) {
                                            {"render", k_paper, "-o", "x.png", "--env", name},
                                            {"render", k_paper, "-o", "x.png", "--mesh", name},
                                            {"render", k_paper, "-o", "x.png", "--compare", name}})
-            if (is_offered(arguments)) {
+            if (is_built(arguments)) {
                 EXPECT_LT(peak_memory(folder, arguments), (k_is_sanitized ? 300 : 100) << 20)
                     << arguments[0] << " " << name;
             }
@@ -212,10 +205,10 @@ TEST_F(Hostile, UnknownInputIsRejectedAfterItsBeginning) {
 
 /// With any memory limit, each command succeeds or reports that memory is exhausted.
 TEST_F(Hostile, MemoryStaysWithinTheLimit) {
-    if (k_is_sanitized) GTEST_SKIP() << "the sanitizer takes terabytes of addresses";
+    SKIP_UNDER_SANITIZERS("the sanitizer takes terabytes of addresses");
     std::mt19937_64 random(1);
     ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "m.srbf").ok());
-    write(folder / "a.binary", small_merl());
+    write_text(folder / "a.binary", small_merl());
     int succeeded = 0, failed = 0;
     for (const char* megabytes : {"64", "100"})
         for (const Arguments& arguments : {Arguments{"info", k_paper},
@@ -223,9 +216,9 @@ TEST_F(Hostile, MemoryStaysWithinTheLimit) {
                                            {"render", "m.srbf", "-o", "x.png", "--size", "8x8", "--spp", "1"},
                                            {"export", "m.srbf", "--to", "html", "-o", "x.html"},
                                            k_quick_fit + Arguments{"a.binary", "-o", "x.srbf"}}) {
-            if (!is_offered(arguments)) continue;
+            if (!is_built(arguments)) continue;
             SCOPED_TRACE(fmt::format("{} MB: {}", megabytes, fmt::join(arguments, " ")));
-            const ProgramRun result = run(folder, Arguments{"--max-memory", megabytes} + arguments);
+            const ProgramRun result = run_srbf(folder, Arguments{"--max-memory", megabytes} + arguments);
             ++(result.status == 0 ? succeeded : failed);
             if (result.status == 0) continue;
             EXPECT_EQ(result.status, 1);
@@ -233,7 +226,7 @@ TEST_F(Hostile, MemoryStaysWithinTheLimit) {
                 << result.err;
             EXPECT_EQ(result.err.find('\n'), result.err.size() - 1) << result.err;
         }
-    EXPECT_GE(succeeded, is_offered({"render", "html"}) ? 5 : 3);
+    EXPECT_GE(succeeded, is_built({"render", "html"}) ? 5 : 3);
     EXPECT_GE(failed, 1);
     expect_failure(1, {"--max-memory", "500", "render", "m.srbf", "-o", "y.png", "--renderer", "raster"},
                    "no --max-memory");
@@ -241,17 +234,17 @@ TEST_F(Hostile, MemoryStaysWithinTheLimit) {
 }
 
 TEST_F(Hostile, RunningOutOfMemoryNamesTheFile) {
-    if (k_is_sanitized) GTEST_SKIP() << "the sanitizer takes terabytes of addresses";
+    SKIP_UNDER_SANITIZERS("the sanitizer takes terabytes of addresses");
     std::string pairs = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n";
     while (pairs.size() < 5000) pairs += "0,0,1,0,0,1,1\n";
     for (const auto& [name, start] : {std::pair("large.csv", pairs), {"large.srbf", model_with_header(2, "{}")}}) {
-        write(folder / name, start);
+        write_text(folder / name, start);
         fs::resize_file(folder / name, std::uint64_t(1) << 33);
         rlimit previous;
         ASSERT_EQ(::getrlimit(RLIMIT_AS, &previous), 0);
         const rlimit low{rlim_t(2) << 30, previous.rlim_max};
         ASSERT_EQ(::setrlimit(RLIMIT_AS, &low), 0);  // the program inherits it
-        const ProgramRun failed = run(folder, {"info", name});
+        const ProgramRun failed = run_srbf(folder, {"info", name});
         ASSERT_EQ(::setrlimit(RLIMIT_AS, &previous), 0);
         EXPECT_EQ(failed.status, 1);
         EXPECT_EQ(failed.err, fmt::format("srbf: {}: out of memory\n", name));
@@ -263,8 +256,8 @@ TEST_F(Hostile, ErrorsNameTheFailingPath) {
     const TemporaryFolder elsewhere;
     const std::string loop = elsewhere / "loop";
     fs::create_symlink("loop", loop);
-    write(folder / "file", "");
-    write(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n");
+    write_text(folder / "file", "");
+    write_text(folder / "pairs.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n");
     std::mt19937_64 random(1);
     ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "m.srbf").ok());
     for (const std::string& path : {loop, loop + "/x", std::string("file/x"), std::string(300, 'x')}) {
@@ -274,7 +267,7 @@ TEST_F(Hostile, ErrorsNameTheFailingPath) {
                                            {"compare", path, "m.srbf"},
                                            {"compare", "m.srbf", path},
                                            {"convert", path, "-o", "x.csv"},
-                                           {"eval", path, "--pairs", "p.csv"},
+                                           {"eval", path, "--pairs", "pairs.csv"},
                                            {"eval", "m.srbf", "--pairs", path},
                                            {"render", path, "-o", "x.png"},
                                            {"render", "m.srbf", "-o", "x.png", "--env", path},
@@ -305,30 +298,30 @@ TEST_F(Hostile, CompareNamesBothFilesWithoutCommonParts) {
 }
 
 TEST_F(Hostile, NoControlCharactersReachTheTerminal) {
+    SKIP_UNDER_SANITIZERS("too many runs");
     const std::string escapes =
         "a\x1b]0;title\x07\x1b[2J\r\n\t\x7f\xc2\x9b"
         "31mb";
     std::mt19937_64 random(1);
     ASSERT_TRUE(save_model({random_model(random, {}), {{"source", escapes}, {escapes, "x"}}}, folder / "m.srbf").ok());
-    write(folder / "s.brdf", "# " +
-                                 std::string("a\x1b[2J\x07"
-                                             "b\n") +
-                                 "# num wls\n1\n550\n0.1 0 0.1 0 0.5\n");
-    write(folder / "s.csv", "theta_l_deg,theta_v_deg,phi_v_deg,value,\x1b[2J\n1,1,1,1,1\n");
+    write_text(folder / "s.brdf", "# " +
+                                      std::string("a\x1b[2J\x07"
+                                                  "b\n") +
+                                      "# num wls\n1\n550\n0.1 0 0.1 0 0.5\n");
+    write_text(folder / "s.csv", "theta_l_deg,theta_v_deg,phi_v_deg,value,\x1b[2J\n1,1,1,1,1\n");
     for (const Arguments& arguments : {Arguments{"info", "m.srbf"},
                                        {"info", "s.brdf"},
                                        {"info", "s.csv"},
                                        {"fit", "s.csv", "--model", "ggx"},
                                        {"compare", "m.srbf", "m.srbf"}}) {
-        const ProgramRun result = run(folder, arguments);
+        const ProgramRun result = run_srbf(folder, arguments);
         EXPECT_TRUE(result.status == 0 || result.status == 1);
         for (const char c : result.out + result.err)
             EXPECT_TRUE(c == '\n' || static_cast<unsigned char>(c) >= 0x20) << fmt::format("{:02x}", int(c));
-        EXPECT_EQ((result.out + result.err).find("\xc2\x9b"), std::string::npos);
+        EXPECT_LACKS((result.out + result.err), "\xc2\x9b");
     }
-    EXPECT_NE(run(folder, {"info", "m.srbf"}).out.find("source                              a?]0;title??[2J   ??31mb"),
-              std::string::npos)
-        << run(folder, {"info", "m.srbf"}).out;
+    EXPECT_CONTAINS(run_srbf(folder, {"info", "m.srbf"}).out,
+                    "source                              a?]0;title??[2J   ??31mb");
 }
 
 /// File names with characters that end strings, comments, elements or lines in some language.
@@ -362,7 +355,7 @@ std::map<std::string, std::string> metadata(std::size_t first, bool harmless) {
 
 /// The export destinations that the program's error message lists.
 Arguments destinations(const TemporaryFolder& folder) {
-    const std::string message_text = run(folder, {"export", "x", "--to", "nothing", "-o", "x"}).err;
+    const std::string message_text = run_srbf(folder, {"export", "x", "--to", "nothing", "-o", "x"}).err;
     const auto begin = message_text.find("expected ") + 9;
     std::string list = message_text.substr(begin, message_text.find(", found") - begin);
     Arguments names;
@@ -410,24 +403,23 @@ TEST_F(Hostile, NamesAndMetadataAreNotCode) {
             if (is_slow && i > 0) continue;
             SCOPED_TRACE(fmt::format("{} {}: {}", to, i, printable(name)));
             const auto exported = [&](const std::string& file, bool harmless) {
-                TexelMap of_kind = map;
-                of_kind.provenance = metadata(i, harmless);
+                TexelMap named_map = map;
+                named_map.provenance = metadata(i, harmless);
                 const Model model =
-                    is_surface ? Model{OpenPbrModel{}, of_kind.provenance} : Model{pm, of_kind.provenance};
-                write(folder / file, text_of(is_map ? write_map(of_kind) : write_model(model)));
+                    is_surface ? Model{OpenPbrModel{}, named_map.provenance} : Model{pm, named_map.provenance};
+                write_text(folder / file, as_text(is_map ? write_map(named_map) : write_model(model)));
                 const bool is_fitted = to == "blender" || to == "osl";
-                const ProgramRun result = run(folder, Arguments{"export", file, "--to", to, "-o", "x"} +
-                                                          (is_fitted ? Arguments{"--terms", "1"} : Arguments{}));
-                EXPECT_EQ(result.status, 0) << result.err;
+                const ProgramRun result = run_ok(folder, Arguments{"export", file, "--to", to, "-o", "x"} +
+                                                             (is_fitted ? Arguments{"--terms", "1"} : Arguments{}));
                 EXPECT_EQ(printable_lines(result.out + result.err), result.out + result.err);
-                return contents(folder / "x");
+                return read_text(folder / "x");
             };
             std::string x = exported(name + ".srbf", false), y = exported("clean/" + identifier(name) + ".srbf", true);
             tried.insert(to);
             if (is_map || to == "glb") continue;
             EXPECT_EQ(printable_lines(x), x);
             if (to == "c") {
-                EXPECT_EQ(x.find("?\?/"), x.npos);
+                EXPECT_LACKS(x, "?\?/");
             }
             if (to == "gltf")
                 for (std::string* text : {&x, &y}) {
@@ -465,7 +457,7 @@ std::vector<std::string> defined_names(const std::string& text) {
 /// Two files whose names could collide in code: the code distinguishes them, or an error names both.
 TEST_F(Hostile, NamesInCodeAreDistinct) {
     std::mt19937_64 random(1);
-    const Model model{random_model(random, {.lobes = 1, .variates = 1}), {}}, bsdf{full_bsdf(), {}};
+    const Model model{random_model(random, {.lobes = 1, .variates = 1}), {}}, bsdf{lobe_bsdf_with_beams(), {}};
     using Named = std::pair<std::string, const Model*>;
     const std::pair<Named, Named> pairs[] = {{{"a_b", &model}, {"aB", &model}},
                                              {{"x", &model}, {"x_r", &model}},
@@ -483,10 +475,10 @@ TEST_F(Hostile, NamesInCodeAreDistinct) {
             for (const auto& [name, named_model] : {a, b})
                 ASSERT_TRUE(save_model(*named_model, folder / (name + ".srbf")).ok());
             const ProgramRun result =
-                run(folder, {"export", a.first + ".srbf", b.first + ".srbf", "--to", to, "-o", "o"});
+                run_srbf(folder, {"export", a.first + ".srbf", b.first + ".srbf", "--to", to, "-o", "o"});
             if (result.status == 0) {
                 ++succeeded[to];
-                std::vector<std::string> names = defined_names(contents(folder / "o"));
+                std::vector<std::string> names = defined_names(read_text(folder / "o"));
                 EXPECT_GE(names.size(), 2u);
                 // A module contains names of JavaScript and, within a string, of GLSL.
                 if (to.starts_with("three"))
@@ -502,16 +494,17 @@ TEST_F(Hostile, NamesInCodeAreDistinct) {
             EXPECT_EQ(result.status, 1);
             EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
             if (result.err.find("names in their code") != result.err.npos) {
-                EXPECT_NE(result.err.find(a.first + " and " + b.first), result.err.npos) << result.err;
+                EXPECT_CONTAINS(result.err, a.first + " and " + b.first);
             }
         }
     }
     EXPECT_GE(succeeded.size(), 7u);
     for (const auto& [to, count] : succeeded) EXPECT_GE(count, to.starts_with("three") ? 1 : 4) << to;
     ASSERT_TRUE(save_model(model, folder / "srbf_view.srbf").ok());
-    const ProgramRun shared = run(folder, {"export", "srbf_view.srbf", "--to", "c", "--with", "sampling", "-o", "o"});
+    const ProgramRun shared =
+        run_srbf(folder, {"export", "srbf_view.srbf", "--to", "c", "--with", "sampling", "-o", "o"});
     EXPECT_EQ(shared.status, 1);
-    EXPECT_NE(shared.err.find("srbf_view and the functions of srbf"), shared.err.npos) << shared.err;
+    EXPECT_CONTAINS(shared.err, "srbf_view and the functions of srbf");
 }
 
 /// File names are printed in a single line, also in JSON on the terminal.
@@ -521,7 +514,7 @@ TEST_F(Hostile, NamesOfFilesAreOneLine) {
     fs::create_directory(folder / "b");
     const auto runs = [&](const std::string& name) {
         EXPECT_TRUE(save_model(model, folder / (name + ".srbf")).ok());
-        write(folder / (name + ".binary"), small_merl());
+        write_text(folder / (name + ".binary"), small_merl());
         std::vector<ProgramRun> results;
         for (const Arguments& arguments :
              {Arguments{"info", name + ".srbf"},
@@ -536,10 +529,10 @@ TEST_F(Hostile, NamesOfFilesAreOneLine) {
               {"export", name + ".srbf", "--to", name, "-o", name},
               {"info", "--" + name},
               {name}})
-            if (is_offered(arguments)) results.push_back(run(folder, arguments));
+            if (is_built(arguments)) results.push_back(run_srbf(folder, arguments));
         return results;
     };
-    write(folder / "b.binary", small_merl());
+    write_text(folder / "b.binary", small_merl());
     const auto harmless = runs("a");
     for (const std::string& name : k_names) {
         const auto results = runs(name);

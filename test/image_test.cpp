@@ -11,10 +11,10 @@
 #include <algorithm>
 #include <cstring>
 
+#include "analytic_brdfs.h"
 #include "app/image.h"
 #include "errors/sphere.h"
 #include "properties.h"
-#include "shown_brdfs.h"
 #include "srbf/file.h"
 #include "temporary_folder.h"
 
@@ -25,7 +25,7 @@ constexpr Rgb8 k_black{0, 0, 0}, k_white{255, 255, 255};
 
 // Captions.
 
-Image8 written(int width, int height, int x, int y, std::string_view text, int scale) {
+Image8 drawn_text(int width, int height, int x, int y, std::string_view text, int scale) {
     Image8 image(width, height, k_black);
     draw_text(image, x, y, text, k_white, scale);
     return image;
@@ -35,7 +35,7 @@ TEST(DrawText, InksEveryPrintableCharacterWithinItsBox) {
     for (char c = '!'; c <= '~'; ++c)
         for (const int scale : {1, 3}) {
             const std::string text(1, c);
-            const Image8 image = written(40 * scale, 40 * scale, 10 * scale, 10 * scale, text, scale);
+            const Image8 image = drawn_text(40 * scale, 40 * scale, 10 * scale, 10 * scale, text, scale);
             int ink = 0;
             for (int y = 0; y < image.height; ++y)
                 for (int x = 0; x < image.width; ++x) {
@@ -47,33 +47,33 @@ TEST(DrawText, InksEveryPrintableCharacterWithinItsBox) {
             EXPECT_GT(ink, 0) << c;
             EXPECT_EQ(ink % (scale * scale), 0);
         }
-    EXPECT_EQ(written(30, 30, 5, 5, " ", 1), Image8(30, 30, k_black));
-    EXPECT_EQ(written(30, 30, 5, 5, "", 1), Image8(30, 30, k_black));
+    EXPECT_EQ(drawn_text(30, 30, 5, 5, " ", 1), Image8(30, 30, k_black));
+    EXPECT_EQ(drawn_text(30, 30, 5, 5, "", 1), Image8(30, 30, k_black));
 }
 
 TEST(DrawText, LeavesOutWhatLiesOutside) {
     const std::string_view text = "10 x difference, Qgjpqy";
-    const Image8 whole = written(600, 300, 200, 100, text, 2);
+    const Image8 whole = drawn_text(600, 300, 200, 100, text, 2);
     for (const auto& [x0, y0] : {std::pair(190, 90), {230, 104}, {205, 60}, {380, 95}, {100, 0}, {0, 200}}) {
-        const Image8 part = written(60, 50, 200 - x0, 100 - y0, text, 2);
+        const Image8 part = drawn_text(60, 50, 200 - x0, 100 - y0, text, 2);
         for (int y = 0; y < part.height; ++y)
             for (int x = 0; x < part.width; ++x) EXPECT_EQ(part.at(x, y), whole.at(x0 + x, y0 + y));
     }
     Image8 nothing;
     draw_text(nothing, 0, 0, text, k_white);
     for (const int far : {std::numeric_limits<int>::min(), std::numeric_limits<int>::max()})
-        EXPECT_EQ(written(9, 9, far, 0, text, 4), Image8(9, 9));
+        EXPECT_EQ(drawn_text(9, 9, far, 0, text, 4), Image8(9, 9));
 }
 
 TEST(DrawText, ShowsOtherBytesAsQuestionMarks) {
-    EXPECT_EQ(written(200, 20, 1, 1, "a\xc3\xa9\n\x7f\x01z", 1), written(200, 20, 1, 1, "a?????z", 1));
+    EXPECT_EQ(drawn_text(200, 20, 1, 1, "a\xc3\xa9\n\x7f\x01z", 1), drawn_text(200, 20, 1, 1, "a?????z", 1));
     EXPECT_EQ(text_width("\xff\x80"), text_width("??"));
 }
 
 TEST(DrawText, WritesLongLinesToTheirEnd) {
     const std::string text(3000, 'X');  // it has more strokes than any other
     const int width = text_width(text);
-    const Image8 image = written(width, 12, 0, 0, text, 1);
+    const Image8 image = drawn_text(width, 12, 0, 0, text, 1);
     for (int y = 0; y < 12; ++y)
         for (int x = 0; x < width / 3000; ++x) EXPECT_EQ(image.at(x, y), image.at(width - width / 3000 + x, y));
     EXPECT_NE(image, Image8(width, 12));
@@ -128,7 +128,7 @@ TEST(Jpeg, IsTheImageUpToItsQuality) {
     }
 }
 
-using shown_brdfs::Glossy, shown_brdfs::Lambert;
+using analytic_brdfs::Glossy, analytic_brdfs::Lambert;
 
 // Previews.
 
@@ -137,7 +137,7 @@ constexpr int k_size = 48;
 /// Pixel (x, y) of one of a preview's three squares.
 Rgb8 pixel(const Image8& image, int square, int x, int y) { return image.at(square * k_size + x, y); }
 
-/// One of them, without its caption.
+/// One of the three squares, without its caption.
 Image8 square(const Image8& image, int which) {
     Image8 out(k_size, k_size);
     for (int y = 0; y < k_size; ++y)
@@ -157,7 +157,7 @@ template <typename Visit> void for_each_inside(const Visit& visit) {
             if (std::hypot(x + 0.5 - k_size / 2.0, y + 0.5 - k_size / 2.0) < 0.85 * k_size / 2) visit(x, y);
 }
 
-TEST(Preview, OfEqualBrdfsHasABlackDifference) {
+TEST(Preview, DifferenceOfEqualBrdfsIsBlack) {
     const Glossy glossy;
     const Image8 image = small_preview(glossy, glossy);
     EXPECT_EQ(square(image, 0), square(image, 1));
@@ -180,7 +180,7 @@ TEST(Preview, ShowsTenTimesTheDifferenceAtTheExposureOfTheMeasured) {
         for_each_inside([&](int x, int y) {
             const Rgb8 expected = seen(truth.at(x, y), factor);
             EXPECT_EQ(pixel(image, 0, x, y), seen(truth.at(x, y), 1));
-            for (std::size_t c = 0; c < 3; ++c) EXPECT_TRUE(near(pixel(image, 2, x, y)[c], expected[c], 1));
+            for (std::size_t c = 0; c < 3; ++c) EXPECT_WITHIN(pixel(image, 2, x, y)[c], expected[c], 1);
         });
     }
     EXPECT_EQ(square(small_preview(measured, low), 0), square(small_preview(measured, Glossy{1000}), 0));

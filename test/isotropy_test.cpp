@@ -13,8 +13,8 @@
 namespace srbf::isotropy_test {
 namespace {
 
-/// A rough conductor with the Beckmann distribution, roughness ax along x and ay along y, over a diffuse part:
-/// synthetic.
+/// A synthetic rough conductor with the Beckmann distribution, of roughness ax along x and ay along y, over a diffuse
+/// part.
 Evaluate brushed(double ax, double ay) {
     return [=](auto wl, auto wv, auto f) {
         for (std::size_t i = 0; i < f.size(); ++i) {
@@ -59,7 +59,7 @@ Evaluate plus_noise(Evaluate f, const Rgb& deviation) {
     };
 }
 
-TEST(Isotropy, IsTold) {
+TEST(Isotropy, IsDetectedDespiteNoise) {
     const double cap = 80 * k_degree;
     EXPECT_TRUE(is_isotropic(brushed(0.2, 0.2), cap));
     EXPECT_TRUE(is_isotropic(brushed(0.01, 0.01), cap));
@@ -91,7 +91,7 @@ double change(const Evaluate& f, const std::vector<int>& lights, const std::vect
     return change_by_azimuth(samples);
 }
 
-TEST(Isotropy, OfSamplesIsAskedOfRotatedPairs) {
+TEST(Isotropy, SamplesAreComparedAtRotatedPairs) {
     const std::vector<int> all{0, 30, 60, 90, 120, 150, 180, 210, 240, 270, 300, 330};
     const Evaluate round = brushed(0.25, 0.25), along = brushed(0.15, 0.5), tilted = [&](auto wl, auto wv, auto f) {
         round(wl, wv, f);
@@ -125,8 +125,7 @@ TEST(Isotropy, GeneralLobesFitWhatAxialOnesCannot) {
         options.form = form;
         options.axial = axial;
         options.variates = 3;
-        const auto fit = fit_pm(observations, options);
-        ASSERT_TRUE(fit);
+        const auto fit = checked(fit_pm(observations, options));
         EXPECT_EQ(fit->model.axial, axial);
         EXPECT_FALSE(is_reciprocal(fit->model));
         models.push_back(fit->model);

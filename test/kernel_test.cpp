@@ -57,17 +57,17 @@ TYPED_TEST(KernelOf, FramesAreOrthonormalAndRightHanded) {
         EXPECT_EQ(z.x, double(n.x));
         EXPECT_EQ(z.y, double(n.y));
         EXPECT_EQ(z.z, double(n.z));
-        EXPECT_TRUE(near(dot(x, x), 1, tolerance)) << axis.x << ' ' << axis.y << ' ' << axis.z;
-        EXPECT_TRUE(near(dot(y, y), 1, tolerance)) << axis.x << ' ' << axis.y << ' ' << axis.z;
-        EXPECT_TRUE(near(dot(x, y), 0, tolerance));
-        EXPECT_TRUE(near(dot(x, z), 0, tolerance));
-        EXPECT_TRUE(near(dot(y, z), 0, tolerance));
-        EXPECT_TRUE(near(dot(cross(x, y), z), 1, tolerance));
+        EXPECT_WITHIN(dot(x, x), 1, tolerance) << axis.x << ' ' << axis.y << ' ' << axis.z;
+        EXPECT_WITHIN(dot(y, y), 1, tolerance) << axis.x << ' ' << axis.y << ' ' << axis.z;
+        EXPECT_WITHIN(dot(x, y), 0, tolerance);
+        EXPECT_WITHIN(dot(x, z), 0, tolerance);
+        EXPECT_WITHIN(dot(y, z), 0, tolerance);
+        EXPECT_WITHIN(dot(cross(x, y), z), 1, tolerance);
     }
     // Linear in its coordinates.
     const Vec3<Real> n = this->convert(axes.back());
     const Vec3d sum = this->widen(Kernel<Real>::from_frame(n, Real(2), Real(-3), Real(0.5)));
-    EXPECT_TRUE(near(length(sum), std::sqrt(4 + 9 + 0.25), 4 * tolerance));
+    EXPECT_WITHIN(length(sum), std::sqrt(4 + 9 + 0.25), 4 * tolerance);
 }
 
 TYPED_TEST(KernelOf, BothFormsOfTheGaussianAgree) {
@@ -80,10 +80,10 @@ TYPED_TEST(KernelOf, BothFormsOfTheGaussianAgree) {
             const double exponent = lambda * (dot(this->widen(omega), this->widen(xi)) - 1);
             // Rounded to Real, the directions are unit vectors to that precision only.
             const double tolerance = 8 * this->k_epsilon * lambda;
-            EXPECT_TRUE(near(double(K::gaussian_exponent(omega, xi, Real(lambda))), exponent, tolerance));
+            EXPECT_WITHIN(double(K::gaussian_exponent(omega, xi, Real(lambda))), exponent, tolerance);
             if (exponent < -60) continue;
-            EXPECT_TRUE(near_relative(double(K::gaussian(omega, xi, Real(lambda))), std::exp(exponent),
-                                      tolerance + 8 * this->k_epsilon * (1 - exponent)));
+            EXPECT_WITHIN_RELATIVE(double(K::gaussian(omega, xi, Real(lambda))), std::exp(exponent),
+                                   tolerance + 8 * this->k_epsilon * (1 - exponent));
         }
     }
     for (const double lambda : {0.0, 1.0, 65504.0}) {
@@ -105,7 +105,7 @@ TEST(Kernel, GaussianExponentKeepsItsDigitsInFloat) {
         const float second = Kernel<float>::gaussian_exponent(o, x, float(lambda));
         worst = std::max(worst, std::abs(std::expm1(double(second) - exponent)));
     }
-    EXPECT_TRUE(near_relative(worst, 2.2e-5, 0.1)) << worst;
+    EXPECT_WITHIN_RELATIVE(worst, 2.2e-5, 0.1);
 }
 
 TYPED_TEST(KernelOf, GaussianIntegralIsTheIntegralOfTheGaussian) {
@@ -125,11 +125,11 @@ TYPED_TEST(KernelOf, GaussianIntegralIsTheIntegralOfTheGaussian) {
                        Kernel<double>::gaussian(about(xi, reach * i / steps, 2 * k_pi * k / turns), xi, lambda);
         const double integral = sum * reach / (3 * steps) * 2 * k_pi / turns;
         const double closed = lambda > 0 ? 2 * k_pi * -std::expm1(-2 * lambda) / lambda : 4 * k_pi;
-        EXPECT_TRUE(near_relative(closed, integral, 1e-8)) << lambda;
+        EXPECT_WITHIN_RELATIVE(closed, integral, 1e-8) << lambda;
         const double found = double(K::gaussian_integral(Real(lambda)));
-        EXPECT_TRUE(near_relative(found, integral, (std::is_same_v<Real, float> ? 2e-6 : 1.1e-6))) << lambda;
+        EXPECT_WITHIN_RELATIVE(found, integral, (std::is_same_v<Real, float> ? 2e-6 : 1.1e-6)) << lambda;
     }
-    EXPECT_TRUE(near_relative(double(K::gaussian_integral(Real(0))), 4 * k_pi, 2e-6));
+    EXPECT_WITHIN_RELATIVE(double(K::gaussian_integral(Real(0))), 4 * k_pi, 2e-6);
 }
 
 TYPED_TEST(KernelOf, GaussianProductIsTheProduct) {
@@ -143,15 +143,15 @@ TYPED_TEST(KernelOf, GaussianProductIsTheProduct) {
         const Vec3d omega = random_direction(this->random);
         const double tolerance = 8 * this->k_epsilon * (1 + la + lb);
         const Vec3d axis = la * a + lb * b;
-        EXPECT_TRUE(near(double(product.bandwidth), length(axis), tolerance));
-        EXPECT_TRUE(near(length(this->widen(product.centre)), 1, 4 * this->k_epsilon));
+        EXPECT_WITHIN(double(product.bandwidth), length(axis), tolerance);
+        EXPECT_WITHIN(length(this->widen(product.centre)), 1, 4 * this->k_epsilon);
         EXPECT_LE(length(cross(this->widen(product.centre), axis)), tolerance);
         const double scale = length(axis) - la - lb;
         const double exponent = la * (dot(omega, a) - 1) + lb * (dot(omega, b) - 1);
         if (exponent < -60) continue;
         const double found =
             std::exp(scale) * double(K::gaussian(this->convert(omega), product.centre, product.bandwidth));
-        EXPECT_TRUE(near_relative(found, std::exp(exponent), 2 * tolerance)) << la << ' ' << lb;
+        EXPECT_WITHIN_RELATIVE(found, std::exp(exponent), 2 * tolerance) << la << ' ' << lb;
     }
 }
 

@@ -36,7 +36,7 @@ const std::vector<std::vector<std::string>> k_levels{
     {"extras/blender/app"},
 };
 
-/// The level of a file's folder, or of "*" beside it; −1: none.
+/// The level of a file's folder, or of "*" beside it; −1 if it has none.
 int level_of(const fs::path& path) {
     for (const fs::path& folder : {path.parent_path(), path.parent_path().parent_path() / "*"})
         for (std::size_t level = 0; level < k_levels.size(); ++level)
@@ -46,7 +46,7 @@ int level_of(const fs::path& path) {
 /// An extra has public headers of its own, for its own files and for programs.
 bool is_of_extra(const fs::path& path) { return path.string().starts_with("extras/"); }
 bool is_public(const fs::path& path) { return path.string().find("include/srbf/") != std::string::npos; }
-/// "extras/NAME"; of the core nothing.
+/// "extras/NAME" for a file of an extra; empty for one of the core.
 fs::path extra_of(const fs::path& path) {
     return is_of_extra(path) ? *path.begin() / *std::next(path.begin()) : fs::path();
 }
@@ -183,7 +183,7 @@ TEST(Layers, NamesHaveTheVersion) {
         if (!is_header && source.path.string().starts_with("app/")) continue;
         std::ifstream in(k_root / source.path);
         const std::string text{std::istreambuf_iterator<char>(in), {}};
-        EXPECT_EQ(text.find("\nnamespace srbf"), text.npos) << source.path;
+        EXPECT_LACKS(text, "\nnamespace srbf") << source.path;
         EXPECT_TRUE(!is_header || text.find("\nSRBF_BEGIN\n") != text.npos || source.path.stem() == "version")
             << source.path;
     }

@@ -95,9 +95,9 @@ TEST(BoundedLeastSquares, OneVariableIsTheClampedQuotient) {
         return bounded_least_squares(MatrixXd::Constant(1, 1, G), VectorXd::Constant(1, g),
                                      VectorXd::Constant(1, upper))[0];
     };
-    EXPECT_TRUE(near_relative(solve(4, 6, INFINITY), 1.5, 2 * k_regularization));
-    EXPECT_TRUE(near_relative(solve(4e-40, 6e-40, INFINITY), 1.5, 2 * k_regularization));
-    EXPECT_TRUE(near_relative(solve(4e40, 6e40, INFINITY), 1.5, 2 * k_regularization));
+    EXPECT_WITHIN_RELATIVE(solve(4, 6, INFINITY), 1.5, 2 * k_regularization);
+    EXPECT_WITHIN_RELATIVE(solve(4e-40, 6e-40, INFINITY), 1.5, 2 * k_regularization);
+    EXPECT_WITHIN_RELATIVE(solve(4e40, 6e40, INFINITY), 1.5, 2 * k_regularization);
     EXPECT_EQ(solve(4, 6, 1), 1);
     EXPECT_EQ(solve(4, 6, 0), 0);
     EXPECT_EQ(solve(4, -6, INFINITY), 0);
@@ -180,10 +180,10 @@ TEST(LevenbergMarquardt, RecoversSyntheticRates) {
     x << 1.0, 2.0;
     const double before = problem.loss(x);
     const auto summary = levenberg_marquardt(problem, x, k_precise);
-    EXPECT_TRUE(near_relative(x.minCoeff(), 0.5, 1e-9)) << x;
-    EXPECT_TRUE(near_relative(x.maxCoeff(), 3, 1e-9)) << x;
-    EXPECT_TRUE(near_relative(problem.coefficient.minCoeff(), 2, 1e-8));
-    EXPECT_TRUE(near_relative(problem.coefficient.maxCoeff(), 3, 1e-8));
+    EXPECT_WITHIN_RELATIVE(x.minCoeff(), 0.5, 1e-9) << x;
+    EXPECT_WITHIN_RELATIVE(x.maxCoeff(), 3, 1e-9) << x;
+    EXPECT_WITHIN_RELATIVE(problem.coefficient.minCoeff(), 2, 1e-8);
+    EXPECT_WITHIN_RELATIVE(problem.coefficient.maxCoeff(), 3, 1e-8);
     EXPECT_LT(summary.loss, 1e-18 * before);
     EXPECT_LT(summary.iterations, 50);
     EXPECT_EQ(problem.last_x, x);

@@ -64,8 +64,7 @@ void check_gradient(LobeProblem& problem, const Eigen::VectorXd& x) {
         more[i] += step;
         less[i] -= step;
         const double difference = (problem.loss(more) - problem.loss(less)) / (2 * step);
-        EXPECT_TRUE(near(2 * g[i], difference, 0.01 * g.norm() * 2 + 1e-9))
-            << "variable " << i << ": " << 2 * g[i] << " " << difference;
+        EXPECT_WITHIN(2 * g[i], difference, 0.01 * g.norm() * 2 + 1e-9) << "variable " << i;
     }
 }
 
@@ -134,7 +133,7 @@ TEST(Lobes, LossIncludesAlbedo) {
             for (const double difference : difference_sum)
                 expected += importance / double(o.integrals.size()) * elementary::pow(difference / total, 2);
         }
-        EXPECT_TRUE(near_relative(loss, expected, 2e-3));
+        EXPECT_WITHIN_RELATIVE(loss, expected, 2e-3);
     }
 }
 
@@ -182,8 +181,8 @@ TEST(Lobes, LossIncludesPictures) {
             delta_e += difference, picture_loss += 2 * (std::sqrt(difference * difference + 1) - 1);
             ++pixels;
         }
-    EXPECT_TRUE(near_relative(loss, pair_loss + 0.01 * picture_loss / pixels, 2e-3));
-    EXPECT_TRUE(near_relative(problem.delta_e(), delta_e / pixels, 1e-3));
+    EXPECT_WITHIN_RELATIVE(loss, pair_loss + 0.01 * picture_loss / pixels, 2e-3);
+    EXPECT_WITHIN_RELATIVE(problem.delta_e(), delta_e / pixels, 1e-3);
     // Pictures influence the coefficients: coefficients of the pairs alone have a larger visible error.
     const Rows negligible(o, {.picture_importance = 1e-9});
     LobeProblem without_pictures(negligible, {PmForm::gaussian, 3}, false);
@@ -218,7 +217,7 @@ TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
             }
         return total;
     };
-    EXPECT_TRUE(near_relative(loss, loss_of(problem.beta()), 1e-4));
+    EXPECT_WITHIN_RELATIVE(loss, loss_of(problem.beta()), 1e-4);
     EXPECT_GE(problem.beta().minCoeff(), 0);
     for (int j = 0; j < 3; ++j)
         for (int c = 0; c < 3; ++c)
@@ -293,7 +292,7 @@ TEST(Rounding, ModelOfReciprocalLobesHasTheirLoss) {
         const double loss = problem.loss(pack(lobes));
         const PmModel model = to_model(problem, lobes);
         EXPECT_TRUE(is_reciprocal(model));
-        EXPECT_TRUE(near_relative(loss, loss_of(o, evaluator(model)), 1e-3));
+        EXPECT_WITHIN_RELATIVE(loss, loss_of(o, evaluator(model)), 1e-3);
     }
 }
 

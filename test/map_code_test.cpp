@@ -91,7 +91,7 @@ void expect_near(const Rgb& found, const Rgb& expected, float relative, const st
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], relative * expected[c] + 1e-30f) << texel;
 }
 
-class MapCode : public WrittenCode {};
+class MapCode : public CodeTest {};
 
 TEST_F(MapCode, HasTheValuesOfTheTexels) {
     for (const bool axial : {true, false}) {
@@ -99,7 +99,7 @@ TEST_F(MapCode, HasTheValuesOfTheTexels) {
         const Texture texture = texture_of(map_ktx2(map));
         std::vector<float> texels;
         for (const std::uint16_t half : texture.levels[0]) texels.push_back(from_half(half));
-        void* const library = compiled(
+        void* const library = compile_and_load(
             SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", axial ? "axial" : "general",
             code(map, CodeLanguage::c) +
                 fmt::format("static const float* layers;\n"
@@ -145,7 +145,7 @@ TEST_F(MapCode, LevelsAreMeans) {
         for (std::size_t k = 0; k < texture.levels.size(); level = coarser(level), ++k) {
             const std::size_t texels = level.width * level.height;
             ASSERT_EQ(texture.levels[k].size(), 4 * J * texels);
-            std::vector<double> mean(3 * J), of_finest(3 * J);
+            std::vector<double> mean(3 * J), finest_mean(3 * J);
             for (std::size_t t = 0; t < texels; ++t)
                 for (std::size_t j = 0; j < J; ++j)
                     for (std::size_t c = 0; c < 4; ++c) {
@@ -155,8 +155,8 @@ TEST_F(MapCode, LevelsAreMeans) {
                     }
             for (std::size_t i = 0; i < map.coefficient.size(); ++i)
                 for (std::size_t c = 0; c < 3; ++c)
-                    of_finest[3 * (i % J) + c] += double(map.coefficient[i][int(c)]) / double(map.count());
-            for (std::size_t i = 0; i < 3 * J; ++i) EXPECT_NEAR(mean[i], of_finest[i], 1e-6);
+                    finest_mean[3 * (i % J) + c] += double(map.coefficient[i][int(c)]) / double(map.count());
+            for (std::size_t i = 0; i < 3 * J; ++i) EXPECT_NEAR(mean[i], finest_mean[i], 1e-6);
         }
         EXPECT_EQ(texture.levels.back().size(), 4 * J);  // of one texel
     }
@@ -185,10 +185,10 @@ TEST_F(MapCode, BytesAreNearestFractionsOfTheScale) {
             EXPECT_EQ(at[3], 255);
             for (int c = 0; c < 3; ++c) {
                 const double scale = double(scales[i % J][c]), exact = double(level.coefficient[i][c]);
-                const auto apart = [&](int byte) { return std::abs(scale * srgb_decoded(byte / 255.0) - exact); };
+                const auto difference = [&](int byte) { return std::abs(scale * srgb_decoded(byte / 255.0) - exact); };
                 EXPECT_LE(exact, scale * (1 + 1e-6));
                 for (const int other : {std::max(at[c] - 1, 0), std::min(at[c] + 1, 255)})
-                    EXPECT_LE(apart(at[c]), apart(other) + 1e-6 * scale);
+                    EXPECT_LE(difference(at[c]), difference(other) + 1e-6 * scale);
                 white += at[c] == 255;
             }
         }
@@ -214,18 +214,18 @@ TEST_F(MapCode, BytesHardlyAddToTheErrorOfData) {
             const std::uint8_t byte = texture.levels[0][4 * (i % J * map.count() + i / J) + std::size_t(c)];
             of_bytes.coefficient[i][c] = scales[i % J][c] * float(srgb_decoded(byte / 255.0));
         }
-    double of_halves = 0, of_both = 0;
+    double half_error = 0, both_errors = 0;
     for (std::size_t t = 0; t < map.count(); ++t)
         for (const Pair& at : pairs(64)) {
             const Rgb f = value(texel(map, t), at.wl, at.wv), g = value(texel(of_bytes, t), at.wl, at.wv);
             for (int c = 0; c < 3; ++c) {
                 const float measured = std::cbrt(f[c] * (1 + noise(random)));
-                of_halves += elementary::square(std::cbrt(f[c]) - measured);
-                of_both += elementary::square(std::cbrt(g[c]) - measured);
+                half_error += elementary::square(std::cbrt(f[c]) - measured);
+                both_errors += elementary::square(std::cbrt(g[c]) - measured);
             }
         }
-    EXPECT_GT(of_halves, 0);
-    EXPECT_LT(of_both, 1.1 * of_halves);
+    EXPECT_GT(half_error, 0);
+    EXPECT_LT(both_errors, 1.1 * half_error);
 }
 
 #ifdef SRBF_RASTER
@@ -344,9 +344,9 @@ TEST_F(MapCode, CompilesWithTexturesOfItsLanguages) {
                                          "    return float4(map_brdf(a, b, map_coefficients(uv.x, uv.y)), 1.0);\n}\n"));
     }
     const std::string metal = code(map, CodeLanguage::msl), wgsl = code(map, CodeLanguage::wgsl);
-    EXPECT_EQ(metal.find("map_layer("), metal.npos);  // its functions see no textures
-    EXPECT_NE(metal.find("struct map_Coefficients"), metal.npos);
-    EXPECT_NE(wgsl.find("fn map_coefficients(u: f32, v: f32) -> map_Coefficients {"), wgsl.npos);
+    EXPECT_LACKS(metal, "map_layer(");  // its functions see no textures
+    EXPECT_CONTAINS(metal, "struct map_Coefficients");
+    EXPECT_CONTAINS(wgsl, "fn map_coefficients(u: f32, v: f32) -> map_Coefficients {");
 }
 
 TEST_F(MapCode, RefusesOtherModels) {

@@ -58,7 +58,7 @@ Pair pair_at(double h, double d, double p, double turn) {
 TEST(Merl, ReproducesItsNodes) {
     const MerlTable table = multilinear_table();
     EXPECT_EQ(table.masked, 0u);
-    int checked = 0;
+    int compared = 0;
     for (int h = 0; h < n_h; ++h)
         for (int d = 0; d < n_d; ++d)
             for (int p = 0; p < n_p; ++p) {
@@ -70,11 +70,11 @@ TEST(Merl, ReproducesItsNodes) {
                 const Rgb f = value(table, wl, wv);
                 for (int c = 0; c < 3; ++c) {
                     const double expected = (c + 1) * multilinear(h, d, known_p);
-                    EXPECT_PRED3(near_relative, f[c], expected, d == 0 ? 1e-3 : 1e-4) << h << ' ' << d << ' ' << p;
+                    EXPECT_WITHIN_RELATIVE(f[c], expected, d == 0 ? 1e-3 : 1e-4) << h << ' ' << d << ' ' << p;
                 }
-                ++checked;
+                ++compared;
             }
-    EXPECT_GT(checked, 500);
+    EXPECT_GT(compared, 500);
 }
 
 /// Interpolates as the docstring of value() says, in double at a known position.
@@ -97,7 +97,7 @@ TEST(Merl, InterpolatesOverTheValidNodes) {
             return c == 1 && uniform(random) < masked_part ? -1 : f;
         });
         EXPECT_EQ(table.masked > 0, masked_part > 0);
-        int checked = 0, lacking = 0;
+        int compared = 0, lacking = 0;
         for (int i = 0; i < 20000; ++i) {
             const double h = 1 + (n_h - 2.1) * uniform(random), d = 0.2 + (n_d - 1.3) * uniform(random),
                          p = n_p * uniform(random);
@@ -111,13 +111,13 @@ TEST(Merl, InterpolatesOverTheValidNodes) {
                 continue;
             }
             // Where all the valid weight lies in a corner, the rounding of the position counts for more.
-            EXPECT_PRED3(near_relative, f.g, expected, masked_part == 0 ? 1e-4 : 2e-2);
+            EXPECT_WITHIN_RELATIVE(f.g, expected, masked_part == 0 ? 1e-4 : 2e-2);
             if (masked_part == 0) {
-                EXPECT_PRED3(near_relative, f.r, multilinear(h, d, p), 1e-4);
+                EXPECT_WITHIN_RELATIVE(f.r, multilinear(h, d, p), 1e-4);
             }
-            ++checked;
+            ++compared;
         }
-        EXPECT_GT(checked, 3000);
+        EXPECT_GT(compared, 3000);
         EXPECT_EQ(lacking > 0, masked_part == 0.9);
     }
 }
@@ -132,9 +132,9 @@ TEST(Merl, IsReciprocalIsotropicAndBounded) {
     double largest = 0;
     for (const Rgb& f : table.cells) largest = std::max(largest, double(f.r));
     for (int i = 0; i < 20000; ++i) {
-        const Vec3f wl = direction_to_the_ends(random), wv = direction_to_the_ends(random);
+        const Vec3f wl = direction_with_extremes(random), wv = direction_with_extremes(random);
         const Rgb f = value(table, wl, wv), exchanged = value(table, wv, wl);
-        ASSERT_TRUE(keeps_contract(f, wl, wv, true));
+        ASSERT_TRUE(satisfies_contract(f, wl, wv, true));
         const double turn = 6 * uniform(random);
         const Rgb turned = value(table, rotate(wl, turn), rotate(wv, turn));
         if (std::isnan(f.r)) {
@@ -145,7 +145,7 @@ TEST(Merl, IsReciprocalIsotropicAndBounded) {
         EXPECT_EQ(f, exchanged);
         const double sine_h = std::hypot(double(wl.x + wv.x), double(wl.y + wv.y));
         if (sine_h < 0.05 || wl.z < 0.1f || wv.z < 0.1f) continue;
-        EXPECT_PRED3(near_relative, turned.r, f.r, 1e-3);
+        EXPECT_WITHIN_RELATIVE(turned.r, f.r, 1e-3);
     }
 }
 

@@ -2,6 +2,7 @@
 #include "srbf/metrics.h"
 #include "errors/measures.h"
 
+#include "analytic_brdfs.h"
 #include "brdf/directions.h"
 #include "brdf/values.h"
 #include "properties.h"
@@ -10,13 +11,7 @@
 namespace srbf::metrics_test {
 namespace {
 
-struct Lambert {
-    Rgb colour;
-};
-Rgb value(const Lambert& brdf, Vec3f wl, Vec3f wv) {
-    if (!(wl.z > 0 && wv.z > 0)) return {};
-    return {float(brdf.colour.r / k_pi), float(brdf.colour.g / k_pi), float(brdf.colour.b / k_pi)};
-}
+using analytic_brdfs::Lambert;
 
 /// scale (0.1 + lobe G): a constant and a Gaussian lobe of a given bandwidth about the mirror direction.
 struct Glossy {
@@ -28,7 +23,7 @@ Rgb value(const Glossy& brdf, Vec3f wl, Vec3f wv) {
     return {f, 0.5f * f, 0.25f * f};
 }
 
-/// Nothing measured where wl is left of the normal.
+/// A BRDF without values for lights of negative x.
 struct Holed {
     Glossy brdf;
 };
@@ -56,7 +51,7 @@ constexpr double Measures::*k_all[] = {&Measures::squared_error_ratio,    &Measu
                                        &Measures::log_rms_cosine,         &Measures::cube_root_error_ratio,
                                        &Measures::sixth_root_error_ratio, &Measures::log10_rms};
 
-TEST(Metrics, OfABrdfAgainstItselfAreZero) {
+TEST(Metrics, ErrorsOfABrdfAgainstItselfAreZero) {
     const Glossy glossy;
     for (const auto measure : k_all) {
         EXPECT_EQ(matrix(glossy, glossy).*measure, 0);
@@ -65,23 +60,23 @@ TEST(Metrics, OfABrdfAgainstItselfAreZero) {
     EXPECT_EQ(albedo_error(evaluator(glossy), evaluator(glossy), k_cap), 0);
 }
 
-TEST(Metrics, OfAScaledBrdfAreTheirClosedForms) {
+TEST(Metrics, ErrorsOfAScaledBrdfMatchTheClosedForms) {
     const Glossy glossy, scaled{1.1f};
     for (const Measures& m : {matrix(glossy, scaled), heldout(glossy, scaled)}) {
-        EXPECT_TRUE(near_relative(m.squared_error_ratio, 0.01, 1e-5));
-        EXPECT_TRUE(near_relative(m.squared_error_ratio_cosine, 0.01, 1e-5));
-        EXPECT_TRUE(near_relative(m.cube_root_error_ratio, std::pow(std::cbrt(1.1) - 1, 2), 1e-4));
-        EXPECT_TRUE(near_relative(m.log10_rms, std::log10(1.1), 1e-4));
+        EXPECT_WITHIN_RELATIVE(m.squared_error_ratio, 0.01, 1e-5);
+        EXPECT_WITHIN_RELATIVE(m.squared_error_ratio_cosine, 0.01, 1e-5);
+        EXPECT_WITHIN_RELATIVE(m.cube_root_error_ratio, std::pow(std::cbrt(1.1) - 1, 2), 1e-4);
+        EXPECT_WITHIN_RELATIVE(m.log10_rms, std::log10(1.1), 1e-4);
     }
-    EXPECT_TRUE(near_relative(albedo_error(evaluator(glossy), evaluator(scaled), k_cap), 0.1, 1e-4));
-    EXPECT_TRUE(near_relative(albedo_error(evaluator(scaled), evaluator(glossy), k_cap), 0.1 / 1.1, 1e-4));
+    EXPECT_WITHIN_RELATIVE(albedo_error(evaluator(glossy), evaluator(scaled), k_cap), 0.1, 1e-4);
+    EXPECT_WITHIN_RELATIVE(albedo_error(evaluator(scaled), evaluator(glossy), k_cap), 0.1 / 1.1, 1e-4);
 }
 
-TEST(Metrics, OfNothingAgainstSomethingAreOne) {
+TEST(Metrics, ErrorsOfBlackAreOne) {
     const Glossy glossy;
     const Lambert black{{0, 0, 0}};
-    EXPECT_TRUE(near(matrix(glossy, black).squared_error_ratio, 1, 1e-12));
-    EXPECT_TRUE(near(heldout(glossy, black).squared_error_ratio_cosine, 1, 1e-12));
+    EXPECT_WITHIN(matrix(glossy, black).squared_error_ratio, 1, 1e-12);
+    EXPECT_WITHIN(heldout(glossy, black).squared_error_ratio_cosine, 1, 1e-12);
     EXPECT_EQ(albedo_error(evaluator(glossy), evaluator(black), k_cap), 1);
     EXPECT_TRUE(std::isinf(matrix(black, glossy).squared_error_ratio));
     EXPECT_EQ(matrix(black, black).squared_error_ratio, 0);
@@ -94,8 +89,8 @@ TEST(Metrics, LogarithmOfALambertianIsItsIntegral) {
     const int n = 20000;
     for (int i = 0; i < n; ++i) mean += std::pow(std::log1p(a * (c + (i + 0.5) / n * (1 - c))), 2) / n;
     const Lambert grey{{0.6f, 0.6f, 0.6f}}, black{{0, 0, 0}};
-    EXPECT_TRUE(near_relative(matrix(grey, black).log_rms_cosine, std::sqrt(mean), 1e-3));
-    EXPECT_TRUE(near_relative(heldout(grey, black).log_rms_cosine, std::sqrt(mean), 1e-2));
+    EXPECT_WITHIN_RELATIVE(matrix(grey, black).log_rms_cosine, std::sqrt(mean), 1e-3);
+    EXPECT_WITHIN_RELATIVE(heldout(grey, black).log_rms_cosine, std::sqrt(mean), 1e-2);
 }
 
 // Σ (f−f̂)² / Σ f² for f = .1 + G, f̂ = .1: the integrals of G and G² about the mirror direction are 2π/λ and 2π/2λ if
@@ -106,35 +101,35 @@ TEST(Metrics, HeldOutPairsResolveSharpLobes) {
     const double cap = 2 * k_pi * (1 - std::cos(k_cap));
     const double lobe = 2 * k_pi / bandwidth * 20, lobe_squared = k_pi / bandwidth * 400;
     const double expected = lobe_squared / (0.01 * cap + 0.2 * lobe + lobe_squared);
-    EXPECT_TRUE(near_relative(heldout(sharp, flat).squared_error_ratio, expected, 0.02));
+    EXPECT_WITHIN_RELATIVE(heldout(sharp, flat).squared_error_ratio, expected, 0.02);
 }
 
 TEST(Metrics, MatrixAndHeldOutPairsAgreeOnSmoothBrdfs) {
     const Glossy wide{1, 5, 1}, other{1, 8, 1};
     for (const auto measure : k_all)
-        EXPECT_TRUE(near_relative(matrix(wide, other).*measure, heldout(wide, other).*measure, 0.02));
+        EXPECT_WITHIN_RELATIVE(matrix(wide, other).*measure, heldout(wide, other).*measure, 0.02);
 }
 
-TEST(Metrics, OmitAndCountMissingValues) {
+TEST(Metrics, MissingValuesAreOmittedAndCounted) {
     const Glossy glossy, other{1, 100, 1};
     const Measures whole = matrix(glossy, other), half = matrix(Holed{glossy}, other);
     EXPECT_EQ(whole.pairs, 400u * 400u);
     EXPECT_EQ(whole.masked, 0u);
     EXPECT_EQ(half.pairs + half.masked, 400u * 400u);
-    EXPECT_TRUE(near_relative(double(half.masked), 80000, 0.02));
-    EXPECT_TRUE(near_relative(half.squared_error_ratio, whole.squared_error_ratio, 0.02));
+    EXPECT_WITHIN_RELATIVE(double(half.masked), 80000, 0.02);
+    EXPECT_WITHIN_RELATIVE(half.squared_error_ratio, whole.squared_error_ratio, 0.02);
     const Measures swapped = matrix(glossy, Holed{other});
     EXPECT_EQ(swapped.masked, half.masked);
 }
 
 // The samples have values over many magnitudes, fill no whole number of blocks, and some of them are not measured.
-TEST(Metrics, OfSamplesAreTheirFormulas) {
+TEST(Metrics, ErrorsOfSamplesMatchTheFormulas) {
     std::mt19937_64 random(3);
     const auto is_root = [](std::size_t k) { return !k_measures[k].is_ratio; };
     for (const std::size_t count : {1u, 7u, 1000u}) {
         std::vector<Vec3f> wl, wv;
         std::vector<float> f, g;
-        std::array<double, 6> apart{}, whole{};
+        std::array<double, 6> squared_errors{}, squares{};
         for (std::size_t i = 0; i < count; ++i) {
             wl.push_back(to_float(spherical(1.3 * uniform(random), 1.0)));
             wv.push_back(to_float(spherical(1.3 * uniform(random), 2.0)));
@@ -150,18 +145,18 @@ TEST(Metrics, OfSamplesAreTheirFormulas) {
                                        {v, std::sqrt(std::cbrt(a * l)), std::sqrt(std::cbrt(b * l))},
                                        {is_lit ? 1.0 : 0.0, is_lit ? std::log10(a) : 0, is_lit ? std::log10(b) : 0}};
             for (std::size_t k = 0; k < 6; ++k) {
-                apart[k] += seen[k][0] * std::pow(seen[k][1] - seen[k][2], 2);
-                whole[k] += seen[k][0] * (is_root(k) ? 1 : seen[k][1] * seen[k][1]);
+                squared_errors[k] += seen[k][0] * std::pow(seen[k][1] - seen[k][2], 2);
+                squares[k] += seen[k][0] * (is_root(k) ? 1 : seen[k][1] * seen[k][1]);
             }
         }
         const Measures measures = measure_samples(wl, wv, f, g, 80 * k_degree);
         EXPECT_EQ(measures.masked, (count + 5) / 10);
         EXPECT_EQ(measures.pairs + measures.masked, count);
         for (std::size_t k = 0; k < 6; ++k) {
-            const double ratio = apart[k] / whole[k], expected = is_root(k) ? std::sqrt(ratio) : ratio;
+            const double ratio = squared_errors[k] / squares[k], expected = is_root(k) ? std::sqrt(ratio) : ratio;
             // Logarithms from −60 on are rounded to 4e-6; they differ by up to 0.7.
             const double bound = k_measures[k].member == &Measures::log10_rms ? 1e-4 : 2e-6;
-            EXPECT_TRUE(near_relative(measures.*k_measures[k].member, expected, bound)) << count << " " << k;
+            EXPECT_WITHIN_RELATIVE(measures.*k_measures[k].member, expected, bound) << count << " " << k;
         }
     }
 }
@@ -171,8 +166,7 @@ TEST(Metrics, LogarithmsOfSmallNumbersAreExact) {
     const std::vector<Vec3f> up(1, Vec3f(0, 0, 1));
     for (const float f : {1e-12f, 1e-8f, 3e-7f, 1e-4f, 0.01f}) {
         const std::vector<float> a{f}, b{0};
-        EXPECT_TRUE(near_relative(measure_samples(up, up, a, b, k_cap).log_rms_cosine, std::log1p(double(f)), 1e-6))
-            << f;
+        EXPECT_WITHIN_RELATIVE(measure_samples(up, up, a, b, k_cap).log_rms_cosine, std::log1p(double(f)), 1e-6) << f;
         EXPECT_EQ(measure_samples(up, up, a, a, k_cap).log_rms_cosine, 0);
     }
 }
@@ -180,7 +174,7 @@ TEST(Metrics, LogarithmsOfSmallNumbersAreExact) {
 TEST(Metrics, LogarithmsUsePositiveValuesAndAreLimited) {
     const std::vector<Vec3f> up(4, Vec3f(0, 0, 1));
     const std::vector<float> f{1e-3f, 1e4f, 0, 2}, g{1e-2f, 0, 5, 2};
-    EXPECT_TRUE(near_relative(measure_samples(up, up, f, g, k_cap).log10_rms, std::sqrt((1 + 36 + 0) / 3.0), 1e-6));
+    EXPECT_WITHIN_RELATIVE(measure_samples(up, up, f, g, k_cap).log10_rms, std::sqrt((1 + 36 + 0) / 3.0), 1e-6);
 }
 
 TEST(Metrics, InfiniteValuesAreNeverNear) {
@@ -200,29 +194,29 @@ Channels ramp(std::size_t C, float factor) {
     return channels;
 }
 
-TEST(Metrics, TakeAnyNumberOfChannels) {
+TEST(Metrics, AnyNumberOfChannelsIsMeasured) {
     for (const std::size_t C : {1u, 4u, 31u}) {
         const Channels others[] = {ramp(C, 0.9f), ramp(C, 0)};
         const auto directions = fibonacci_directions(64, 80 * k_degree);
         for (const auto& measures : {measure_matrix(ramp(C, 1), others, {80 * k_degree, 1}, directions),
                                      measure_heldout(ramp(C, 1), others, {80 * k_degree, 1}, 5000)}) {
-            EXPECT_TRUE(near(measures[0].squared_error_ratio, 0.01, 1e-6));
-            EXPECT_TRUE(near(measures[0].squared_error_ratio_cosine, 0.01, 1e-6));
-            EXPECT_TRUE(near(measures[0].cube_root_error_ratio, std::pow(1 - std::cbrt(0.9), 2), 1e-6));
-            EXPECT_TRUE(near(measures[1].squared_error_ratio, 1, 1e-9));
+            EXPECT_WITHIN(measures[0].squared_error_ratio, 0.01, 1e-6);
+            EXPECT_WITHIN(measures[0].squared_error_ratio_cosine, 0.01, 1e-6);
+            EXPECT_WITHIN(measures[0].cube_root_error_ratio, std::pow(1 - std::cbrt(0.9), 2), 1e-6);
+            EXPECT_WITHIN(measures[1].squared_error_ratio, 1, 1e-9);
             EXPECT_EQ(measures[0].masked, 0u);
         }
     }
 }
 
-TEST(Albedo, OfALambertianIsItsColourTimesTheCap) {
+TEST(Albedo, ALambertianHasItsColourTimesTheCap) {
     const Lambert lambert{{0.2f, 0.5f, 0.9f}};
     for (const double theta : k_albedo_theta)
         for (const double cap : {k_cap, k_pi / 2}) {
             const Rgb a = albedo(evaluator(lambert), theta * k_degree, cap);
             const double share = std::pow(std::sin(cap), 2);
-            EXPECT_TRUE(near_relative(a.r, 0.2 * share, 1e-4)) << theta << " " << cap;
-            EXPECT_TRUE(near_relative(a.b, 0.9 * share, 1e-4));
+            EXPECT_WITHIN_RELATIVE(a.r, 0.2 * share, 1e-4) << theta << " " << cap;
+            EXPECT_WITHIN_RELATIVE(a.b, 0.9 * share, 1e-4);
         }
 }
 
@@ -235,7 +229,7 @@ TEST(Albedo, ResolvesSharpLobes) {
             const double without = albedo(evaluator(base), theta * k_degree, k_pi / 2).r;
             const double lobe =
                 1000 * 2 * k_pi * std::cos(theta * k_degree) * (1 / bandwidth - 1 / (bandwidth * bandwidth));
-            EXPECT_TRUE(near_relative(with - without, lobe, 1e-4)) << bandwidth << " at " << theta;
+            EXPECT_WITHIN_RELATIVE(with - without, lobe, 1e-4) << bandwidth << " at " << theta;
         }
     }
 }
@@ -272,8 +266,8 @@ TEST(Metrics, AlbedosOfNarrowHighlightsAreExact) {
         };
         const double over_z = w * c * (std::atan((1 - c) / w) + std::atan(c / w)) +
                               w * w / 2 * std::log((w * w + (1 - c) * (1 - c)) / (w * w + c * c));
-        EXPECT_TRUE(
-            near_relative(albedo(peak, std::acos(c), k_pi / 2).g, over_z * 2 * turn * std::atan(k_pi / turn), 1e-3));
+        EXPECT_WITHIN_RELATIVE(albedo(peak, std::acos(c), k_pi / 2).g, over_z * 2 * turn * std::atan(k_pi / turn),
+                               1e-3);
     }
 }
 

@@ -23,7 +23,7 @@ nlohmann::json header(const Bytes& bytes) {
     return nlohmann::json::parse(text, text + length);
 }
 
-TEST(Model, WhatIsWrittenIsRead) {
+TEST(Model, WrittenModelsAreReadBack) {
     std::mt19937_64 random(1);
     for (int trial = 0; trial < 200; ++trial) {
         const RandomModelOptions options{.axial = trial % 2 == 0,
@@ -33,8 +33,7 @@ TEST(Model, WhatIsWrittenIsRead) {
                                          .form = k_forms[std::size_t(trial) % k_forms.size()]};
         const Model model{rounded(random_model(random, options)), {{"source", "a.bsdf"}, {"", "empty key"}}};
         const Bytes bytes = write_model(model);
-        const auto back = read_model(bytes, "x");
-        ASSERT_TRUE(back.ok()) << message(back.error());
+        const auto back = checked(read_model(bytes, "x"));
         EXPECT_EQ(pm(*back), pm(model));
         EXPECT_EQ(back->provenance, model.provenance);
         EXPECT_EQ(write_model(*back), bytes);
@@ -51,8 +50,7 @@ TEST(Model, RoundedIsWhatAFileHolds) {
         const PmModel once = rounded(model);
         EXPECT_NE(once, model);
         EXPECT_EQ(rounded(once), once);
-        const auto back = read_model(write_model({model, {}}), "x");
-        ASSERT_TRUE(back.ok());
+        const auto back = checked(read_model(write_model({model, {}}), "x"));
         EXPECT_EQ(pm(*back), once);
     }
 }
@@ -109,7 +107,7 @@ TEST(Model, CentresKeepTheirAnglesToTheDigitsOfAHalf) {
     for (std::size_t k = 0; k < model.centre.size(); ++k) {
         const Vec3f a = model.centre[k], b = once.centre[k];
         const double theta = std::acos(std::clamp(double(a.z), -1.0, 1.0)), sine = std::hypot(double(a.x), double(a.y));
-        EXPECT_TRUE(near(dot(b, b), 1, 1e-6));
+        EXPECT_WITHIN(dot(b, b), 1, 1e-6);
         // Half an ulp each: of θ, at most 2^-10 beyond 2, and of φ, on the circle of this latitude.
         const double distance = std::sqrt(double(dot(a - b, a - b)));
         const double bound = theta * 0x1p-11 + sine * k_pi * 0x1p-11 + 3e-7;
@@ -195,8 +193,7 @@ TEST(Model, ProvenanceMayHoldAnyByte) {
     provenance["broken"] = every;
     provenance["\xff\xfe"] = "broken key";
     const Model model{rounded(random_model(random, {})), provenance};
-    const auto back = read_model(write_model(model), "x");
-    ASSERT_TRUE(back.ok()) << message(back.error());
+    const auto back = checked(read_model(write_model(model), "x"));
     for (const auto& [key, text] : valid) EXPECT_EQ(back->provenance.at(key), text) << key;
     // The text is no UTF-8: its invalid bytes are replaced, and its ASCII stays.
     EXPECT_EQ(back->provenance.at("broken").substr(0, 128), every.substr(0, 128));

@@ -11,14 +11,7 @@
 namespace srbf::noise_test {
 namespace {
 
-const Measured& bundled(const std::string& name) {
-    static std::map<std::string, Measured> read;
-    const auto at = read.find(name);
-    if (at != read.end()) return at->second;
-    return read.emplace(name, *load_measured((bundled_data() / (name + ".bsdf")).string())).first->second;
-}
-
-/// About normally distributed, of variance 1, independent for other directions or another channel.
+/// A number that is about normally distributed, of variance 1, and independent for each pair and channel.
 float noise_at(Vec3f wl, Vec3f wv, std::uint32_t channel) {
     // splitmix64 of the bits of the numbers; the sum of twelve uniform numbers of 16 bits
     const auto mixed = [](std::uint64_t x) {
@@ -53,8 +46,8 @@ TEST(Noise, IsEstimated) {
     for (const float deviation : {0.02f, 0.3f}) {
         const Noise noise = noise_of(with_noise(bundled("paper_white_rgb"), deviation));
         for (int c = 0; c < 3; ++c) {
-            EXPECT_TRUE(near(noise.deviation[c], deviation, 0.03 * deviation));
-            EXPECT_TRUE(near(noise.level[c], 0.26f, 0.15f));
+            EXPECT_WITHIN(noise.deviation[c], deviation, 0.03 * deviation);
+            EXPECT_WITHIN(noise.level[c], 0.26f, 0.15f);
         }
     }
     EXPECT_TRUE(is_noisy(noise_of(with_noise(bundled("paper_white_rgb"), 0.3f))));
@@ -67,14 +60,13 @@ TEST(Noise, IsEstimated) {
 TEST(Noise, DoesNotBiasAFit) {
     const Measured& truth = bundled("paper_white_rgb");
     Fitter fitter(with_noise(truth, 0.28f));
-    const auto outcome = fitter.fit({.model = PmRequest{.effort = 0.1}});
-    ASSERT_TRUE(outcome);
+    const auto outcome = checked(fitter.fit({.model = PmRequest{.effort = 0.1}}));
     EXPECT_GT(share_of(*outcome->noise), 1);
     const Evaluate reference = evaluator(truth), fitted = evaluator(outcome->model);
     for (const double theta : {0.0, 30.0, 60.0}) {
         const double expected = luminance(albedo(reference, theta * k_degree, 89 * k_degree)),
                      found = luminance(albedo(fitted, theta * k_degree, 89 * k_degree));
-        EXPECT_TRUE(near(found, expected, 0.05 * expected)) << theta;
+        EXPECT_WITHIN(found, expected, 0.05 * expected) << theta;
     }
     EXPECT_LE(compare_pictures(reference, {&fitted, 1})[0].mean.delta_e, 3.3);  // without noise .8
 }
@@ -106,8 +98,7 @@ TEST(Noise, IsHardlyLeftInASmoothedTable) {
     std::normal_distribution<float> normal;
     for (Rgb& cell : table.cells)
         for (int c = 0; c < 3; ++c) cell[c] += 0.28f * normal(random);
-    const auto smooth = smoothed_to_noise(measured);
-    ASSERT_TRUE(smooth);
+    const auto smooth = checked(smoothed_to_noise(measured));
     const MbsdfTable found = to_mbsdf(*smooth, {table.polar, table.azimuths, {}, 0});
     std::vector<double> before, after;
     for (std::uint32_t l = 0; l < 34; ++l)  // to 66°

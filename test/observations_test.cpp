@@ -1,4 +1,4 @@
-// These tests are of observations: what a fit knows of a BRDF.
+// Observations: the values of a BRDF that a fit knows.
 #include <map>
 
 #include "errors/sphere.h"
@@ -20,8 +20,7 @@ bool within(const Observations& o, std::size_t i, double theta) {
 
 TEST(Observations, EstimateTheIntegralOfTheirObjective) {
     for (const Objective objective : {Objective::raw, Objective::cosine}) {
-        const auto o = observe(constant({1, 1, 1}), {objective, 80 * k_degree, 1 << 16, 3});
-        ASSERT_TRUE(o);
+        const auto o = checked(observe(constant({1, 1, 1}), {objective, 80 * k_degree, 1 << 16, 3}));
         // Shares of Σ w with wl, or wv, within 50° of the normal: of dω for raw, of cos²θl dω and cosθv dω for cosine.
         double all = 0, near_l = 0, near_v = 0;
         for (std::size_t i = 0; i < fitted(*o); ++i) {
@@ -36,19 +35,18 @@ TEST(Observations, EstimateTheIntegralOfTheirObjective) {
             return (1 - elementary::pow(d, power + 1)) / (1 - elementary::pow(c, power + 1));
         };
         const bool raw = objective == Objective::raw;
-        EXPECT_TRUE(near_relative(near_l / all, share(raw ? 0 : 2), 0.01));
-        EXPECT_TRUE(near_relative(near_v / all, share(raw ? 0 : 1), 0.01));
-        EXPECT_TRUE(near(3 * all, 1, 0.05));  // Σ w |f|² = 1; the grid of horizon pairs adds a few pairs within the cap
+        EXPECT_WITHIN_RELATIVE(near_l / all, share(raw ? 0 : 2), 0.01);
+        EXPECT_WITHIN_RELATIVE(near_v / all, share(raw ? 0 : 1), 0.01);
+        EXPECT_WITHIN(3 * all, 1, 0.05);  // Σ w |f|² = 1; the grid of horizon pairs adds a few pairs within the cap
     }
 }
 
 TEST(Observations, EveryPrefixIsARepresentativeSample) {
-    const auto o = observe(constant({1, 1, 1}), {Objective::raw, 80 * k_degree, 1 << 16, 0});
-    ASSERT_TRUE(o);
+    const auto o = checked(observe(constant({1, 1, 1}), {Objective::raw, 80 * k_degree, 1 << 16, 0}));
     ASSERT_EQ(fitted(*o), std::size_t(1) << 16);
     double sum = 0;
     for (std::size_t i = 0; i < 4096; ++i) sum += 3 * double(o->weight[i]);
-    EXPECT_TRUE(near_relative(sum, 4096.0 / 65536, 0.1));
+    EXPECT_WITHIN_RELATIVE(sum, 4096.0 / 65536, 0.1);
     std::size_t horizon_pairs = 0;
     for (std::size_t i = 0; i < 4096; ++i) horizon_pairs += !within(*o, i, 80 * k_degree);
     EXPECT_GT(horizon_pairs, 4096u / 16);
@@ -58,28 +56,27 @@ TEST(Observations, EveryPrefixIsARepresentativeSample) {
 // A highlight of half a degree contains nearly all of Σ w |f|². Sampled from the mixture alone, only a few dozen of
 // 4096 pairs would lie in it.
 TEST(Observations, AreDenseWhereTheEnergyIs) {
-    const auto o = observe(
+    const auto o = checked(observe(
         [](auto wl, auto wv, auto f) {
             for (std::size_t i = 0; i < f.size(); ++i) {
                 const float g = Kernel<float>::gaussian(Kernel<float>::psi(wl[i], wv[i], 1, 1), {0, 0, 1}, 20000);
                 f[i] = {0.01f + 300 * g, 0.01f + 300 * g, 0.01f + 300 * g};
             }
         },
-        {Objective::raw, 0, 1 << 16, 2});
-    ASSERT_TRUE(o);
+        {Objective::raw, 0, 1 << 16, 2}));
     const auto energy = [&](std::size_t i) { return o->weight[i] * 3 * double(o->f[i].r) * double(o->f[i].r); };
     double all = 0, sum = 0, squares = 0;
     for (std::size_t i = 0; i < fitted(*o); ++i) all += energy(i);
     for (std::size_t i = 0; i < 4096; ++i) sum += energy(i), squares += energy(i) * energy(i);
-    EXPECT_TRUE(near(all, 1, 0.01));
-    EXPECT_TRUE(near_relative(sum, 4096.0 / double(fitted(*o)), 0.1));
+    EXPECT_WITHIN(all, 1, 0.01);
+    EXPECT_WITHIN_RELATIVE(sum, 4096.0 / double(fitted(*o)), 0.1);
     EXPECT_GT(sum * sum / squares, 600);
 
     // A beginning is scaled like the whole.
     const Observations few = first_pairs(*o, 4096);
     double of_few = 0;
     for (std::size_t i = 0; i < 4096; ++i) of_few += few.weight[i] * 3 * double(few.f[i].r) * double(few.f[i].r);
-    EXPECT_TRUE(near(of_few, 1, 1e-6));
+    EXPECT_WITHIN(of_few, 1, 1e-6);
 }
 
 TEST(Observations, CosineObjectiveKeepsDarkValuesUnderAHighlight) {
@@ -105,8 +102,7 @@ TEST(Observations, CosineObjectiveKeepsDarkValuesUnderAHighlight) {
 }
 
 TEST(Observations, ReachTheHorizonAndItsCorners) {
-    const auto o = observe(constant({1, 1, 1}), {Objective::cosine, 0, 4096, 0});
-    ASSERT_TRUE(o);
+    const auto o = checked(observe(constant({1, 1, 1}), {Objective::cosine, 0, 4096, 0}));
     double lowest = 1, lowest_both = 1;
     for (std::size_t i = 0; i < o->f.size(); ++i) {
         lowest = std::min(lowest, double(o->wl[i].z));
@@ -120,12 +116,11 @@ TEST(Observations, ReachTheHorizonAndItsCorners) {
 
 TEST(Observations, OmitMissingValuesAndClampNegativeOnes) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
-    const auto o = observe(
+    const auto o = checked(observe(
         [&](auto wl, auto, auto f) {
             for (std::size_t i = 0; i < f.size(); ++i) f[i] = wl[i].x < 0 ? Rgb{nan, nan, nan} : Rgb{-1, 1, 2};
         },
-        {Objective::raw, 0, 4096, 0});
-    ASSERT_TRUE(o);
+        {Objective::raw, 0, 4096, 0}));
     EXPECT_GT(o->masked, 1000u);
     EXPECT_GE(o->clamped, o->f.size());  // one channel of each, and of those drawn that were not chosen
     for (const Rgb& f : o->f) ASSERT_EQ(f, (Rgb{0, 1, 2}));
@@ -172,10 +167,9 @@ TEST(Observations, ViewsOfPicturesAreExposedAndWithinTheCap) {
     }
     EXPECT_TRUE(any_masked);
     ASSERT_GT(largest.size(), 8u);
-    for (auto& [lighting, of_pixels] : largest) {
-        std::ranges::sort(of_pixels);
-        EXPECT_TRUE(near(of_pixels[std::size_t(0.9 * double(of_pixels.size() - 1))], k_exposed_value, 1e-3))
-            << lighting;
+    for (auto& [lighting, values] : largest) {
+        std::ranges::sort(values);
+        EXPECT_WITHIN(values[std::size_t(0.9 * double(values.size() - 1))], k_exposed_value, 1e-3) << lighting;
     }
 }
 

@@ -3,7 +3,7 @@ import os
 import re
 import sys
 
-from documents import documents
+from support.documents import documents
 
 folder = sys.argv[1]
 PAGES = documents(folder)

@@ -18,12 +18,12 @@ double brushed(const Vec3d& wl, const Vec3d& wv) {
     return 0.05 + 3 * std::exp(-(h.x * h.x / 0.04 + h.y * h.y / 0.0004) / (h.z * h.z));
 }
 
-TEST(Peak, IsWhereTheHighlightIs) {
-    const auto place = [](Function f) { return peak_of(brdf_of(std::move(f))).position; };
+TEST(Peak, IsAtTheHighlight) {
+    const auto place = [](ScalarBrdf f) { return peak_of(to_evaluate(std::move(f))).position; };
     for (const double bandwidth : {8.0, 100.0, 1e5}) {  // as wide as a satin paint's to 0.2°
-        EXPECT_EQ(place(lobe(bandwidth, 2, mirrored)), PeakPosition::mirror) << bandwidth;
-        EXPECT_EQ(place(lobe(bandwidth, 2, to_light)), PeakPosition::retro) << bandwidth;
-        EXPECT_EQ(place(lobe(bandwidth, 2, turned)), PeakPosition::beside) << bandwidth;
+        EXPECT_EQ(place(lobe(bandwidth, 2, mirror_direction)), PeakPosition::mirror) << bandwidth;
+        EXPECT_EQ(place(lobe(bandwidth, 2, retroreflection)), PeakPosition::retro) << bandwidth;
+        EXPECT_EQ(place(lobe(bandwidth, 2, rotated_quarter)), PeakPosition::beside) << bandwidth;
     }
     EXPECT_EQ(place(brushed), PeakPosition::mirror);
     EXPECT_EQ(place([](const Vec3d&, const Vec3d&) { return 0.2; }), PeakPosition::none);
@@ -33,18 +33,19 @@ TEST(Peak, IsWhereTheHighlightIs) {
     EXPECT_EQ(place([](const Vec3d& wl, const Vec3d& wv) { return 0.1 / std::sqrt(wl.z * wv.z); }), PeakPosition::none);
     EXPECT_EQ(place([](const Vec3d&, const Vec3d& wv) { return wv.z > 0.9 ? 5 : 0.1; }), PeakPosition::elsewhere);
     EXPECT_EQ(place([](const Vec3d&, const Vec3d&) { return std::nan(""); }), PeakPosition::unknown);
-    EXPECT_PRED3(near_relative, peak_of(brdf_of(lobe(1e4, 0.9, mirrored))).ratio, 10, 0.5);
-    EXPECT_EQ(peak_of(brdf_of([](const Vec3d& wl, const Vec3d& wv) { return dot(mirror(wl), wv) > 0.999; })).ratio,
+    EXPECT_WITHIN_RELATIVE(peak_of(to_evaluate(lobe(1e4, 0.9, mirror_direction))).ratio, 10, 0.5);
+    EXPECT_EQ(peak_of(to_evaluate([](const Vec3d& wl, const Vec3d& wv) { return dot(mirror(wl), wv) > 0.999; })).ratio,
               k_most_peak);
 }
 
 /// Samples in all directions, with noise, and of a scan in the plane of incidence, from one side to the other.
-TEST(Peak, OfSamplesIsTheSame) {
+TEST(Peak, SamplesKeepTheHighlight) {
     std::mt19937_64 random(5);
     std::normal_distribution<double> normal;
-    for (const auto& [f, place] : {std::pair<Function, PeakPosition>{lobe(100, 2, mirrored), PeakPosition::mirror},
-                                   {lobe(100, 2, to_light), PeakPosition::retro},
-                                   {[](const Vec3d&, const Vec3d&) { return 0.2; }, PeakPosition::none}}) {
+    for (const auto& [f, place] :
+         {std::pair<ScalarBrdf, PeakPosition>{lobe(100, 2, mirror_direction), PeakPosition::mirror},
+          {lobe(100, 2, retroreflection), PeakPosition::retro},
+          {[](const Vec3d&, const Vec3d&) { return 0.2; }, PeakPosition::none}}) {
         ScatteredSamples all, scan, steep;
         for (int i = 0; i < 2000; ++i) {
             const Vec3d wl = random_direction(random, 0.1), wv = random_direction(random, 0.1);
@@ -67,7 +68,7 @@ TEST(Peak, OfSamplesIsTheSame) {
 }
 
 /// Tables of each format keep it; of a BSDF it is that of the part, straight through in transmission.
-TEST(Peak, OfTablesIsTheSame) {
+TEST(Peak, TablesKeepTheHighlight) {
     expect_peaks_kept([](const Evaluate& brdf) {
         RglOptions rgl;
         rgl.polar = 6, rgl.colours = 24;
@@ -86,10 +87,9 @@ TEST(Peak, TextAsksAboutTheAzimuths) {
     EXPECT_EQ(peak_text({PeakPosition::mirror, 14}), "highlight at the mirror direction, 14 times f elsewhere");
     EXPECT_EQ(peak_text({PeakPosition::mirror, k_most_peak}, true),
               "highlight straight through, over 1000 times f elsewhere");
-    EXPECT_NE(
-        peak_text({PeakPosition::retro, 3}).find("retro direction, 3 times f elsewhere: are the azimuths exchanged?"),
-        std::string::npos);
-    EXPECT_NE(peak_text({PeakPosition::none, 1.2}).find("no highlight (matte)"), std::string::npos);
+    EXPECT_CONTAINS(peak_text({PeakPosition::retro, 3}),
+                    "retro direction, 3 times f elsewhere: are the azimuths exchanged?");
+    EXPECT_CONTAINS(peak_text({PeakPosition::none, 1.2}), "no highlight (matte)");
 }
 
 }  // namespace

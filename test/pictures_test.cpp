@@ -37,8 +37,7 @@ TEST(Pictures, UniformLightShowsTheAlbedo) {
             const double across = (2 * x + 1 - 64) / 64.0, theta = std::asin(std::hypot(across, 1 / 64.0));
             const Rgb expected = albedo(brdf, theta, k_pi / 2);
             for (int c = 0; c < 3; ++c)
-                EXPECT_TRUE(near(double(image.at(x, 32)[c]), double(expected[c]), tolerance))
-                    << x << ' ' << c << ' ' << image.at(x, 32)[c] << ' ' << expected[c];
+                EXPECT_WITHIN(double(image.at(x, 32)[c]), double(expected[c]), tolerance) << x << ' ' << c;
         }
         EXPECT_EQ(image.at(0, 0), Rgb());
         EXPECT_FALSE(shows_sphere(64, 0, 0));
@@ -54,8 +53,8 @@ TEST(Pictures, ADistantLightShowsTheBrdfItself) {
         for (int x = 0; x < 64; ++x) {
             const double nx = (2 * x + 1 - 64) / 64.0, ny = (63 - 2 * y) / 64.0, nz2 = 1 - nx * nx - ny * ny;
             const double cosine = nz2 > 0 ? std::max(0.0, dot(l, Vec3d{nx, ny, std::sqrt(nz2)})) : 0;
-            ASSERT_TRUE(near(double(image.at(x, y).r), 0.5 * cosine, 1e-5));
-            ASSERT_TRUE(near(double(image.at(x, y).b), 2 * cosine, 1e-5));
+            ASSERT_WITHIN(double(image.at(x, y).r), 0.5 * cosine, 1e-5);
+            ASSERT_WITHIN(double(image.at(x, y).b), 2 * cosine, 1e-5);
         }
 }
 
@@ -76,13 +75,13 @@ TEST(Pictures, ASmallSourceShowsTheSameAsADistantLightOfItsPower) {
     const Evaluate brdfs[] = {glossy(20)};
     const auto images = sphere_pictures(brdfs, lights);
     // The means over the sphere agree: points of the mixture seldom meet so small a source, and then count little.
-    double of_disc = 0, of_light = 0;
+    double disc_sum = 0, light_sum = 0;
     for (std::size_t i = 0; i < images[0][0].pixels.size(); ++i)
-        of_disc += double(images[0][0].pixels[i].g), of_light += double(images[1][0].pixels[i].g);
-    EXPECT_TRUE(near(of_disc, of_light, 0.02 * of_light));
+        disc_sum += double(images[0][0].pixels[i].g), light_sum += double(images[1][0].pixels[i].g);
+    EXPECT_WITHIN(disc_sum, light_sum, 0.02 * light_sum);
 }
 
-TEST(Pictures, OfIsotropicBrdfsMayShareValues) {
+TEST(Pictures, IsotropicBrdfsMayShareValues) {
     const Evaluate brdfs[] = {glossy(100), glossy(90)};
     const auto one_by_one = sphere_pictures(brdfs, standard_lightings(), 24),
                shared = sphere_pictures(brdfs, standard_lightings(), 24, 0, {}, k_mirror_points, true);
@@ -90,11 +89,11 @@ TEST(Pictures, OfIsotropicBrdfsMayShareValues) {
         for (std::size_t brdf = 0; brdf < 2; ++brdf)
             for (std::size_t i = 0; i < shared[k][brdf].pixels.size(); ++i) {
                 const float L = one_by_one[k][brdf].pixels[i].g;
-                EXPECT_TRUE(near(shared[k][brdf].pixels[i].g, L, 1e-4 * double(L)));
+                EXPECT_WITHIN(shared[k][brdf].pixels[i].g, L, 1e-4 * double(L));
             }
 }
 
-TEST(Pictures, WhatIsNotMeasuredIsBlackInBoth) {
+TEST(Pictures, PointsWithoutMeasurementAreBlackInBoth) {
     const Evaluate holey = [](std::span<const Vec3f> wl, std::span<const Vec3f>, std::span<Rgb> f) {
         const float nan = std::numeric_limits<float>::quiet_NaN();
         for (std::size_t i = 0; i < f.size(); ++i) f[i] = wl[i].z < 0.5f ? Rgb{nan, nan, nan} : Rgb{1, 1, 1};
@@ -105,7 +104,7 @@ TEST(Pictures, WhatIsNotMeasuredIsBlackInBoth) {
     EXPECT_LE(same.mean.rms, 1e-6);
 }
 
-TEST(Pictures, ErrorsOfABrdfWithItselfAndWithOthers) {
+TEST(Pictures, ErrorsAreZeroForTheSameBrdfAndGrowWithTheDifference) {
     const Evaluate others[] = {glossy(40), glossy(44), glossy(60), lambert({0.3f, 0.3f, 0.3f})};
     const auto all = compare_pictures(glossy(40), others);
     EXPECT_EQ(all[0].mean.delta_e, 0);
@@ -131,20 +130,20 @@ TEST(Pictures, OnlyBrightnessRelativeToTheReferenceMatters) {
     };
     const Evaluate one[] = {scaled(1.1)}, hundred[] = {scaled(110)};
     const Appearance a = compare_pictures(scaled(1), one)[0], b = compare_pictures(scaled(100), hundred)[0];
-    EXPECT_TRUE(near(a.mean.delta_e, b.mean.delta_e, 1e-3));
-    EXPECT_TRUE(near(a.mean.rms, 0.1, 1e-5));
-    EXPECT_TRUE(near(b.mean.rms, 0.1, 1e-5));
+    EXPECT_WITHIN(a.mean.delta_e, b.mean.delta_e, 1e-3);
+    EXPECT_WITHIN(a.mean.rms, 0.1, 1e-5);
+    EXPECT_WITHIN(b.mean.rms, 0.1, 1e-5);
     // A tenth more light is seen, and not much: a few just noticeable differences.
     EXPECT_GT(a.mean.delta_e, 1);
     EXPECT_LT(a.mean.delta_e, 10);
 }
 
-TEST(DeltaEItp, OfKnownColours) {
+TEST(DeltaEItp, KnownColoursMatchTheStandard) {
     // White of 100 cd/m² has I = 0.508 on the perceptual quantiser's scale, black 7e-7; grey is neither red nor blue.
-    EXPECT_TRUE(near(delta_e_itp({1, 1, 1}, {0, 0, 0}), 720 * 0.50808, 0.1));
+    EXPECT_WITHIN(delta_e_itp({1, 1, 1}, {0, 0, 0}), 720 * 0.50808, 0.1);
     EXPECT_EQ(delta_e_itp({0.2f, 0.3f, 0.4f}, {0.2f, 0.3f, 0.4f}), 0);
-    EXPECT_TRUE(
-        near(delta_e_itp({0.2f, 0.3f, 0.4f}, {0.5f, 0.1f, 0}), delta_e_itp({0.5f, 0.1f, 0}, {0.2f, 0.3f, 0.4f}), 1e-9));
+    EXPECT_WITHIN(delta_e_itp({0.2f, 0.3f, 0.4f}, {0.5f, 0.1f, 0}), delta_e_itp({0.5f, 0.1f, 0}, {0.2f, 0.3f, 0.4f}),
+                  1e-9);
     // Hue counts: red and green of one luminance are far apart.
     EXPECT_GT(delta_e_itp({0.5f, 0, 0}, {0, 0.1486f, 0}), 100);
 }

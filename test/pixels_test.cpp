@@ -19,7 +19,7 @@ double delta_e(const Triplet& a, const Triplet& b) {
 struct Case {
     std::vector<Triplet> reference, other;
     Pixels pixels = Pixels(reference);
-    /// Their columns from the first of a block on.
+    /// The columns of the other colours from the first pixel of a block on.
     Aligned<float> columns(std::size_t block = 0) const {
         Aligned<float> columns(3 * k_block);
         for (std::size_t p = block * k_block; p < std::min(other.size(), (block + 1) * k_block); ++p)
@@ -55,20 +55,20 @@ Triplet random_colour(std::mt19937_64& random) {
     return x;
 }
 
-TEST(Pixels, ErrorIsASquareWhereNothingIsSeenAndLinearBeyond) {
+TEST(Pixels, ErrorIsQuadraticBelowTheVisibleThresholdAndLinearAbove) {
     const Triplet reference{0.3, 0.2, 0.05}, near_it{0.3005, 0.2, 0.05}, far{0.6, 0.1, 0.3};
     EXPECT_EQ(error(reference, reference), 0);
     const double little = delta_e(reference, near_it), much = delta_e(reference, far);
     ASSERT_LT(little, 0.1);
     ASSERT_GT(much, 30);
-    EXPECT_TRUE(near_relative(error(reference, near_it), little * little, 0.02));
-    EXPECT_TRUE(near_relative(error(reference, far), 2 * (much - 1), 0.01));
+    EXPECT_WITHIN_RELATIVE(error(reference, near_it), little * little, 0.02);
+    EXPECT_WITHIN_RELATIVE(error(reference, far), 2 * (much - 1), 0.01);
     const Case one{{reference}, {far}};
     const Aligned<float> columns = one.columns();
-    EXPECT_TRUE(near_relative(one.pixels.delta_e(0, Case::colours(columns)), much, 1e-4));
+    EXPECT_WITHIN_RELATIVE(one.pixels.delta_e(0, Case::colours(columns)), much, 1e-4);
 }
 
-TEST(Pixels, WhatBothClipIsEqual) {
+TEST(Pixels, ColoursThatBothClipAreEqual) {
     const Triplet reference{2, 0.5, 1.5};
     EXPECT_EQ(error(reference, {1, 0.5, 7}), 0);
     EXPECT_GT(error(reference, {0.9, 0.5, 1}), 0);
@@ -85,10 +85,10 @@ TEST(Pixels, ErrorsAreThoseOfEachPixel) {
     }
     one.pixels = Pixels(one.reference);
     ASSERT_EQ(one.pixels.count(), one.reference.size());
-    double of_blocks = 0;
+    double block_sum = 0;
     PixelSlopes slopes;
-    for (std::size_t block = 0; block < one.pixels.blocks(); ++block) of_blocks += one.error(slopes, block);
-    EXPECT_TRUE(near_relative(of_blocks, sum, 1e-5));
+    for (std::size_t block = 0; block < one.pixels.blocks(); ++block) block_sum += one.error(slopes, block);
+    EXPECT_WITHIN_RELATIVE(block_sum, sum, 1e-5);
 }
 
 TEST(Pixels, SlopeIsThatOfTheError) {
@@ -111,7 +111,7 @@ TEST(Pixels, SlopeIsThatOfTheError) {
             difference[c] = (exact_error(one.reference[p], more) - exact_error(one.reference[p], less)) / (2 * step);
         }
         const double size = std::hypot(difference[0], difference[1], difference[2]);
-        for (std::size_t c = 0; c < 3; ++c) EXPECT_TRUE(near(slope[c], difference[c], 1e-3 * size)) << p << " " << c;
+        for (std::size_t c = 0; c < 3; ++c) EXPECT_WITHIN(slope[c], difference[c], 1e-3 * size) << p << " " << c;
     }
     // Nothing is seen beyond the last pixel.
     for (std::size_t p = one.reference.size(); p < k_block; ++p)

@@ -66,9 +66,9 @@ TEST_P(PreparedOn, IsClampedToAvoidSubnormalNumbersAndInfinity) {
         model.log_scale = {log_scale};
         model.bandwidth = {0};
         const Rgb f = value(prepare(Model{model, {}}, CosineProposal{}), {0, 0, 1}, {0, 0, 1});
-        EXPECT_TRUE(near_relative(double(f.r), 0x1p-24 * expected, 1e-4));
+        EXPECT_WITHIN_RELATIVE(double(f.r), 0x1p-24 * expected, 1e-4);
         EXPECT_EQ(f.g, 0);
-        EXPECT_TRUE(near_relative(double(f.b), expected, 1e-4));
+        EXPECT_WITHIN_RELATIVE(double(f.b), expected, 1e-4);
     }
 }
 
@@ -255,8 +255,8 @@ TEST_P(PreparedOn, AlbedoIsTheIntegral) {
     expect_integral(evaluator(pm), brdf);
     const PreparedBrdf grey = diffuse({0.5f, 0.25f, 1});
     for (const float z : {1.f, 0.7f, 0.1f, 1e-3f}) {
-        EXPECT_TRUE(near(albedo(grey, z).r, 0.5, 2e-3)) << z;
-        EXPECT_TRUE(near(albedo(grey, z).b, 1, 4e-3)) << z;
+        EXPECT_WITHIN(albedo(grey, z).r, 0.5, 2e-3) << z;
+        EXPECT_WITHIN(albedo(grey, z).b, 1, 4e-3) << z;
     }
     EXPECT_EQ(albedo(grey, 0), Rgb{});
     EXPECT_EQ(albedo(grey, std::numeric_limits<float>::quiet_NaN()), Rgb{});
@@ -267,8 +267,7 @@ TEST_F(Prepared, AlbedoOfFitsIsTheIntegral) {
     for (const char* const name : {"cc_ibiza_sunset_rgb.bsdf", "paper_white_rgb.bsdf"}) {
         SCOPED_TRACE(name);
         Measured measured = *load_measured((bundled_data() / name).string());
-        const auto fitted = Fitter(measured).fit({PmRequest{.size = LobeCount{3}, .effort = 0.1}});
-        ASSERT_TRUE(fitted);
+        const auto fitted = checked(Fitter(measured).fit({PmRequest{.size = LobeCount{3}, .effort = 0.1}}));
         expect_integral(evaluator(fitted->model), prepare(fitted->model, CosineProposal{}));
         exchange(measured);  // whose light depends on the azimuth even along the normal
         expect_integral(evaluator(measured), prepare(measured, CosineProposal{}));
@@ -286,7 +285,7 @@ TEST_F(Prepared, AlbedoOfViewsIsTheIntegral) {
         evaluate(model, wl, wv, f);
         double integral = 0;
         for (std::size_t i = 0; i < wl.size(); ++i) integral += double(f[i].g * wl[i].z) * 2 * k_pi / k_points;
-        EXPECT_TRUE(near(albedo(prepared, wv[0].z).g, integral, 0.01 * integral)) << theta;
+        EXPECT_WITHIN(albedo(prepared, wv[0].z).g, integral, 0.01 * integral) << theta;
     }
 }
 
@@ -307,7 +306,7 @@ TEST_F(Prepared, ABrdfOfAnyTypeIsOwned) {
             const Vec3f u = draw3();
             mean += double(sample(brdf, wv, {u.x, u.y}, u.z).weight.g) / 4000;
         }
-        EXPECT_TRUE(near(mean, albedo(brdf, wv.z).g, 0.03));
+        EXPECT_WITHIN(mean, albedo(brdf, wv.z).g, 0.03);
     }
 }
 
@@ -340,7 +339,7 @@ TEST_F(Prepared, CopiesOutliveTheirSources) {
         for (const PreparedBrdf& model : {moved, last, copy})  // a move is a copy
             for (const auto& [l, v] : random_pairs(random_, 200)) {
                 const Rgb f = value(model, l, v), expected = value(reference, l, v);
-                for (int c = 0; c < 3; ++c) EXPECT_TRUE(near(f[c], expected[c], 1e-4 * double(expected[c]) + 1e-6));
+                for (int c = 0; c < 3; ++c) EXPECT_WITHIN(f[c], expected[c], 1e-4 * double(expected[c]) + 1e-6);
                 EXPECT_EQ(pdf(model, l, v), pdf(proposal, l, v));
                 const ValuePdf both = value_pdf(model, l, v);
                 EXPECT_EQ(both.value, f);
@@ -351,8 +350,8 @@ TEST_F(Prepared, CopiesOutliveTheirSources) {
                                   reference_sample = sample(reference, proposal, v, {u.x, u.y}, u.z);
                 EXPECT_EQ(prepared_sample.pdf, reference_sample.pdf);
                 EXPECT_TRUE(prepared_sample.wl == reference_sample.wl);
-                EXPECT_TRUE(
-                    near(prepared_sample.weight.g, reference_sample.weight.g, 1e-4 * reference_sample.weight.g + 1e-6));
+                EXPECT_WITHIN(prepared_sample.weight.g, reference_sample.weight.g,
+                              1e-4 * reference_sample.weight.g + 1e-6);
             }
     }
 }
@@ -368,11 +367,11 @@ TEST_F(Prepared, LoadedBrdfsAreExchangedAndHaveTheirAzimuths) {
     for (const auto& [l, v] : random_pairs(random_, 100)) {
         EXPECT_EQ(pdf(whole, l, v), pdf(by_azimuths, l, v));
         const Rgb f = value(whole, l, v), exchanged_f = value(other, v, l);
-        for (int c = 0; c < 3; ++c) EXPECT_TRUE(near(exchanged_f[c], f[c], 1e-4 * double(f[c]) + 1e-6));
+        for (int c = 0; c < 3; ++c) EXPECT_WITHIN(exchanged_f[c], f[c], 1e-4 * double(f[c]) + 1e-6);
     }
 }
 
-/// Handles as a caller's struct has them before they are assigned.
+/// Prepared BRDFs without content, as members of a caller's struct before they are assigned.
 struct Material {
     LoadedBrdf loaded;
     PreparedBrdf prepared;
@@ -470,7 +469,7 @@ TEST_P(PreparedOn, DensityAndSamplesAgreeWithTheKernel) {
                 for (int j = 0; j < MixtureProposal::k_lobes; ++j)
                     density += weight[std::size_t(j)] *
                                D::proposal_lobe_pdf(j, D::proposal_point(to_double(wl), v, map, power));
-                EXPECT_TRUE(near_relative(double(pdf(proposal, wl, wv)), density, 2e-3)) << n << ' ' << k;
+                EXPECT_WITHIN_RELATIVE(double(pdf(proposal, wl, wv)), density, 2e-3) << n << ' ' << k;
             }
             EXPECT_LE(different, 2);  // where rounding selects another lobe
         }
@@ -505,8 +504,8 @@ TEST_P(PreparedOn, SamplesAndDensityAgree) {
             EXPECT_EQ(light.pdf, pdf(brdf, light.wl, wv));
             const Rgb f = value(brdf, light.wl, wv);
             for (int c = 0; c < 3; ++c)
-                EXPECT_TRUE(near_relative(double(light.weight[c]),
-                                          double(f[c]) * double(light.wl.z) / double(light.pdf), 1.2e-7));
+                EXPECT_WITHIN_RELATIVE(double(light.weight[c]), double(f[c]) * double(light.wl.z) / double(light.pdf),
+                                       1.2e-7);
         }
     for (std::size_t kind = 1; kind < directions.size(); ++kind) EXPECT_GT(directions[kind], 900) << kind;
 }

@@ -6,7 +6,14 @@ function(test_options target level)
   get_property(libraries GLOBAL PROPERTY SRBF_LIBRARIES)  # of extras
   target_link_libraries(${target} PRIVATE srbf::srbf srbf_session ${libraries} srbf_build GTest::gtest Eigen3::Eigen TBB::tbb
                         hwy::hwy nlohmann_json::nlohmann_json fmt::fmt)
-  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/test)
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/test
+                             ${PROJECT_SOURCE_DIR}/test/support)
+  if(SRBF_SANITIZE)
+    set(sanitized 1)
+  else()
+    set(sanitized 0)
+  endif()
+  target_compile_definitions(${target} PRIVATE SRBF_IS_SANITIZED=${sanitized})
   target_compile_options(${target} PRIVATE ${level})
   set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE OFF)  # as in main.cpp: both share precompiled headers
   precompiled(${target} tests_main${level} <algorithm> <cmath> <filesystem> <fstream> <functional> <map> <random> <string>
@@ -80,9 +87,3 @@ function(browser_test name program test filter)
   set_property(TEST ${test} APPEND PROPERTY ENVIRONMENT GTEST_FILTER=-${filter})
 endfunction()
 
-# sanitized_filter(TEST FILTER): under sanitizers, skips long tests whose input other tests read, too.
-function(sanitized_filter test filter)
-  if(SRBF_SANITIZE)
-    set_property(TEST ${test} PROPERTY ENVIRONMENT "GTEST_FILTER=${filter}")
-  endif()
-endfunction()

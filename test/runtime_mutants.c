@@ -1,6 +1,6 @@
 // mutants COUNT FILE..: opens COUNT changed copies of each file with srbf_runtime.h, and uses those that open. Some of them
 // are prepared too, which takes long.
-#include "runtime_use.h"
+#include "support/runtime_use.h"
 
 #ifndef PREPARED_EVERY
 #define PREPARED_EVERY 200

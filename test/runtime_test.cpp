@@ -69,15 +69,16 @@ struct Case {
     Opened* brdf = nullptr;
 };
 
-class RuntimeHeader : public WrittenCode {
+class RuntimeHeader : public CodeTest {
   protected:
-    RuntimeHeader() { written("srbf_runtime.h", runtime_code()); }
+    RuntimeHeader() { write_source("srbf_runtime.h", runtime_code()); }
 
-    /// Compiled once for all tests.
+    /// The header, compiled once for all tests.
     const Runtime& compiled_runtime(const std::string& options, const std::string& compiler = "gcc") {
         static std::map<std::string, Runtime> made;
         if (const auto at = made.find(compiler + options); at != made.end()) return at->second;
-        void* library = compiled(compiler + " -std=c99 -O2 " + options, compiler + options, k_implementation, "");
+        void* library =
+            compile_and_load(compiler + " -std=c99 -O2 " + options, compiler + options, k_implementation, "");
         ::dlopen(path(compiler + options + ".so").c_str(), RTLD_NOW | RTLD_NOLOAD);  // so that it stays after this test
         const auto named = [&](auto& member, const char* name) {
             const std::string versioned = fmt::format("{}_{}", k_prefix, name);
@@ -117,8 +118,7 @@ class RuntimeHeader : public WrittenCode {
 Vec3f direction(std::mt19937_64& random, int i) { return to_float(random_direction(random, i % 4 == 3 ? -1 : 0.001)); }
 
 TEST_F(RuntimeHeader, EqualsTheReadyFile) {
-    const auto kept = read_file((fs::path(SRBF_SOURCE_DIR) / "data" / "ready" / "srbf_runtime.h").string());
-    ASSERT_TRUE(kept.ok());
+    const auto kept = checked(read_file((fs::path(SRBF_SOURCE_DIR) / "data" / "ready" / "srbf_runtime.h").string()));
     const std::string_view text(reinterpret_cast<const char*>(kept->data()), kept->size());
     EXPECT_TRUE(text == runtime_code()) << "copy srbf_runtime.h from the folder of the build";  // they are long
 }
@@ -133,8 +133,7 @@ TEST_F(RuntimeHeader, ValuesAreThoseOfTheLibrary) {
                 const Vec3f wl = direction(random, i), wv = i % 3 ? direction(random, i) : mirror(wl);
                 const Rgb expected = value(opened.model, wl, wv), found = value(runtime, opened.brdf, wl, wv);
                 for (int c = 0; c < 3; ++c)
-                    ASSERT_TRUE(near(found[c], expected[c], 1e-4 * double(expected[c]) + 1e-6))
-                        << opened.name << options << ": " << found[c] << " for " << expected[c];
+                    ASSERT_WITHIN(found[c], expected[c], 1e-4 * double(expected[c]) + 1e-6) << opened.name << options;
             }
         }
     }
@@ -157,8 +156,8 @@ TEST_F(RuntimeHeader, IsTheSameWithFastMath) {
                 const float density = exact.value_pdf(opened.brdf, &wl.x, &wv.x, &f.r),
                             found_density = fast.value_pdf(opened.brdf, &wl.x, &wv.x, &found.r);
                 for (int c = 0; c < 3; ++c)
-                    ASSERT_TRUE(near(found[c], f[c], 1e-4 * double(f[c]) + 1e-6)) << opened.name << compiler << options;
-                ASSERT_TRUE(near(found_density, density, 1e-4 * density + 1e-6)) << opened.name << compiler << options;
+                    ASSERT_WITHIN(found[c], f[c], 1e-4 * double(f[c]) + 1e-6) << opened.name << compiler << options;
+                ASSERT_WITHIN(found_density, density, 1e-4 * density + 1e-6) << opened.name << compiler << options;
             }
         }
     }
@@ -206,7 +205,7 @@ TEST_F(RuntimeHeader, SamplesFollowTheirDensity) {
             for (const double t : {1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 0.01, 0.05, 0.15, 0.3, 0.5, 0.8, 1.2, 2.0})
                 bins.edge.push_back(t);
             std::vector<double> expected =
-                bins.masses([&](Vec3d wl) { return double(pdf(runtime, opened.brdf, to_float(wl), wv)); });
+                bins.integrals([&](Vec3d wl) { return double(pdf(runtime, opened.brdf, to_float(wl), wv)); });
             std::vector<double> observed(expected.size() + 1);
             double rest = draws, weights = 0;
             for (double& mass : expected) rest -= mass *= draws;
@@ -218,19 +217,19 @@ TEST_F(RuntimeHeader, SamplesFollowTheirDensity) {
                 observed[light.pdf > 0 ? bins.index(to_double(light.wl)) : expected.size() - 1] += 1;
                 if (!(light.pdf > 0)) continue;
                 const float density = pdf(runtime, opened.brdf, light.wl, wv);
-                ASSERT_TRUE(near(light.pdf, density, 1e-3 * density)) << opened.name;
+                ASSERT_WITHIN(light.pdf, density, 1e-3 * density) << opened.name;
                 Rgb f;
                 ASSERT_EQ(runtime.value_pdf(opened.brdf, &light.wl.x, &wv.x, &f.r), density) << opened.name;
                 const double cosine = std::abs(double(light.wl.z));
-                ASSERT_TRUE(
-                    near(light.weight.g, double(f.g) * cosine / double(density), 2e-3 * double(light.weight.g) + 1e-6));
+                ASSERT_WITHIN(light.weight.g, double(f.g) * cosine / double(density),
+                              2e-3 * double(light.weight.g) + 1e-6);
                 weights += double(light.weight.g);
             }
             EXPECT_GT(chi2_p_value(observed, expected), sidak(0.01, tests)) << opened.name << " at " << z;
             if (!has_one_albedo(opened.model)) continue;
             Rgb albedo;
             runtime.albedo(opened.brdf, float(z), &albedo.r);
-            EXPECT_TRUE(near(weights / draws, albedo.g, 0.05 * double(albedo.g) + 0.002)) << opened.name << " at " << z;
+            EXPECT_WITHIN(weights / draws, albedo.g, 0.05 * double(albedo.g) + 0.002) << opened.name << " at " << z;
             EXPECT_LT(expected.back(), 0.1 * draws) << opened.name << " at " << z;
         }
     }
@@ -246,7 +245,7 @@ TEST_F(RuntimeHeader, AlbedosAreThoseOfTheLibrary) {
             Rgb found;
             runtime.albedo(opened.brdf, z, &found.r);
             for (int c = 0; c < 3; ++c)
-                EXPECT_TRUE(near(found[c], expected[c], 0.03 * double(expected[c]) + 0.002)) << opened.name << " " << z;
+                EXPECT_WITHIN(found[c], expected[c], 0.03 * double(expected[c]) + 0.002) << opened.name << " " << z;
         }
     }
 }
@@ -279,7 +278,7 @@ TEST_F(RuntimeHeader, RefusesEveryTruncation) {
 
 TEST_F(RuntimeHeader, CompilesWithoutWarnings) {
     // Some warnings of GCC come with its optimisation. The C library's headers of 32 bits lack one file.
-    fs::create_directory(path("gnu")), written("gnu/stubs-32.h", "");
+    fs::create_directory(path("gnu")), write_source("gnu/stubs-32.h", "");
     const std::string x87 = "gcc -m32 -std=c99 -O1 -idirafter /usr/include/x86_64-linux-gnu -I" + path("");
     for (const std::string& command :
          {std::string("gcc -std=c99 -Os"), std::string("gcc -std=c99 -O1 -DSRBF_ONE_LANE"), x87, x87 + " -msse2",
@@ -287,14 +286,14 @@ TEST_F(RuntimeHeader, CompilesWithoutWarnings) {
           std::string("g++ -x c++ -std=c++11 -fsyntax-only"), std::string("clang++ -x c++ -std=c++11 -fsyntax-only")}) {
         if (!runs(command.substr(0, command.find(" -std")) + " -E -x c /dev/null")) continue;
         EXPECT_TRUE(runs(fmt::format("{} -Wall -Wextra -Wconversion -pedantic -Werror -c '{}' -o '{}'", command,
-                                     written("warned.c", k_implementation), path("warned.o"))));
+                                     write_source("warned.c", k_implementation), path("warned.o"))));
     }
 }
 
 // Two plugins with two versions of the header do not call each other's functions.
 TEST_F(RuntimeHeader, NamesContainTheVersion) {
     for (const std::string options : {"", "-DSRBF_RUNTIME_STATIC"}) {
-        compiled("gcc -std=c99 " + options, "names" + options, k_implementation);
+        compile_and_load("gcc -std=c99 " + options, "names" + options, k_implementation);
         const std::string names = fmt::format("nm -D --defined-only '{}'", path("names" + options + ".so"));
         EXPECT_TRUE(runs(fmt::format("! {} | grep -v ' {}_'", names, k_prefix)));
         EXPECT_EQ(bool(runs(names + " | grep srbf_")), options.empty());

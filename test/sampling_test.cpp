@@ -145,7 +145,8 @@ TEST_F(Sampling, SamplesFollowDensitiesThatIntegrateToOne) {
     const auto check = [&](const std::string& name, const Evaluate&, const Proposal& proposal) {
         for (const double theta : k_thetas) {
             const Vec3f wv = to_float(spherical(theta * k_degree, 0.7));
-            std::vector<double> expected = bins.masses([&](Vec3d h) { return half_vector_density(proposal, h, wv); });
+            std::vector<double> expected =
+                bins.integrals([&](Vec3d h) { return half_vector_density(proposal, h, wv); });
             std::vector<double> observed(bins.size() + 1);
             for (int i = 0; i < count; ++i) {
                 const Vec3f wl = sample(proposal, wv, draw3());
@@ -155,7 +156,7 @@ TEST_F(Sampling, SamplesFollowDensitiesThatIntegrateToOne) {
             for (double& mass : expected) total_mass += mass, mass *= count;
             const double lost = observed.back() / count;
             // The fraction of samples that are lost has its own statistical error. For most it is 0.
-            EXPECT_TRUE(near(total_mass + lost, 1, 1e-3 + 4 * std::sqrt(lost / count))) << name << ' ' << theta;
+            EXPECT_WITHIN(total_mass + lost, 1, 1e-3 + 4 * std::sqrt(lost / count)) << name << ' ' << theta;
             expected.push_back(count * std::max(0.0, 1 - total_mass));
             EXPECT_GT(chi2_p_value(observed, expected), significance) << name << ' ' << theta;
         }
@@ -167,7 +168,7 @@ TEST_F(Sampling, SamplesFollowDensitiesThatIntegrateToOne) {
     for (const Model& surface : surfaces()) check("facets", evaluator(surface), propose(surface));
 }
 
-/// Down to views a hundredth of a degree above the horizon, and for the narrowest facets.
+/// Weights are bounded down to views a hundredth of a degree above the horizon, also for the narrowest facets.
 TEST_F(Sampling, WeightsOfFacetsAreBounded) {
     std::vector<Model> models = surfaces();
     for (const float roughness : {0.002f, 0.02f, 0.1f, 0.5f, 1.f})
@@ -302,8 +303,8 @@ TEST_F(Sampling, JacobianOfEachWarpTimesItsDensityIsOne) {
         const Vec3d derivative1 = (0.5 / h) * (warp(u1 + h, u2) - warp(u1 - h, u2)),
                     derivative2 = (0.5 / h) * (warp(u1, u2 + h) - warp(u1, u2 - h)),
                     area = cross(derivative1, derivative2);
-        EXPECT_TRUE(near(std::sqrt(dot(area, area)) * density(w), 1, 2e-4)) << name << ' ' << u1 << ' ' << u2;
-        EXPECT_TRUE(near(dot(w, w), 1, 1e-12)) << name;
+        EXPECT_WITHIN(std::sqrt(dot(area, area)) * density(w), 1, 2e-4) << name << ' ' << u1 << ' ' << u2;
+        EXPECT_WITHIN(dot(w, w), 1, 1e-12) << name;
     };
     for (int i = 0; i < 300; ++i) {
         const Vec3d wv = random_direction(random, 0.02);
@@ -344,8 +345,8 @@ TEST_F(Sampling, LobesAreMirroredAtTheHorizon) {
             if (k < SRBF_FIRST_HALF_VECTOR_LOBE) return D::vmf_pdf(w, specular, bandwidth);
             return half_vector_pdf(w, wv, D::half_vector_lobe(D::stretched(wv, map), map.inverse, bandwidth, 2.0), map);
         };
-        EXPECT_TRUE(near_relative(D::proposal_lobe_pdf(k, D::proposal_point(wl, wv, map, 2.0)),
-                                  unmirrored(wl) + unmirrored({wl.x, wl.y, -wl.z}), 2e-7));
+        EXPECT_WITHIN_RELATIVE(D::proposal_lobe_pdf(k, D::proposal_point(wl, wv, map, 2.0)),
+                               unmirrored(wl) + unmirrored({wl.x, wl.y, -wl.z}), 2e-7);
     }
 }
 
@@ -393,8 +394,8 @@ TEST_F(Sampling, LobesStretchAlongTheGrain) {
     const MixtureProposal isotropic = propose(evaluator(brushed)),
                           stretched = propose(evaluator(brushed), {.azimuths = 8});
     EXPECT_EQ(isotropic.cosine * isotropic.cosine + isotropic.sine * isotropic.sine, 0);
-    for (const HalfVectorShape& shape : stretched.shape) EXPECT_TRUE(near(double(shape.stretch), 5, 1.1));
-    EXPECT_TRUE(near(std::atan2(double(stretched.sine), double(stretched.cosine)), 0.7, 0.14));
+    for (const HalfVectorShape& shape : stretched.shape) EXPECT_WITHIN(double(shape.stretch), 5, 1.1);
+    EXPECT_WITHIN(std::atan2(double(stretched.sine), double(stretched.cosine)), 0.7, 0.14);
     const PolarBins bins = half_vector_bins();
     const double significance = sidak(0.01, 6);
     for (const double theta : {0.0, 45.0, 75.0})
@@ -412,7 +413,7 @@ TEST_F(Sampling, LobesStretchAlongTheGrain) {
             // Samples follow the density, too.
             const Proposal proposal = stretched;
             std::vector<double> expected =
-                                    bins.masses([&](Vec3d h) { return half_vector_density(proposal, h, wv); }, 64),
+                                    bins.integrals([&](Vec3d h) { return half_vector_density(proposal, h, wv); }, 64),
                                 observed(bins.size() + 1);
             double total_mass = 0;
             for (double& mass : expected) total_mass += mass, mass *= count;
@@ -420,13 +421,13 @@ TEST_F(Sampling, LobesStretchAlongTheGrain) {
                 const Vec3f wl = sample(stretched, wv, draw3());
                 observed[wl.z > 0 ? bins.index(half_vector(wl, wv)) : bins.size()] += 1;
             }
-            EXPECT_TRUE(near(total_mass + observed.back() / count, 1, 2e-3)) << theta << ' ' << phi;
+            EXPECT_WITHIN(total_mass + observed.back() / count, 1, 2e-3) << theta << ' ' << phi;
             expected.push_back(count * std::max(0.0, 1 - total_mass));
             EXPECT_GT(chi2_p_value(observed, expected), significance) << theta << ' ' << phi;
         }
 }
 
-/// f = 1/π as a model.
+/// The BRDF f = 1/π as a model.
 PmModel white() {
     PmModel model;
     model.lobes = model.variates = 1;
@@ -444,7 +445,7 @@ TEST_F(Sampling, WeightsSumToOneAndTheCosineKeepsItsMinimum) {
             const auto weight = weights_of(material->pm_proposal, node);
             float sum = 0;
             for (const float w : weight) sum += w;
-            EXPECT_TRUE(near(double(sum), 1, 1e-5));
+            EXPECT_WITHIN(double(sum), 1, 1e-5);
             EXPECT_GE(*std::min_element(weight.begin(), weight.end()), 0);
             EXPECT_GE(weight[0], 0.9f * k_least_cosine);
         }
@@ -464,11 +465,11 @@ TEST_F(Sampling, BlackIsSampledByTheCosine) {
     for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) EXPECT_EQ(proposal.weight(node)[0], 1);
     SuModel su = isotropic_su(16);
     std::fill(su.coefficient.begin(), su.coefficient.end(), Rgb{});
-    const ViewProposal by_view = propose(su);
+    const ViewProposal view_proposal = propose(su);
     for (int i = 0; i < 100; ++i) {
-        const Vec3f wv = to_float(random_direction(random, 0.02)), wl = sample(by_view, wv, draw3());
-        EXPECT_GE(pdf(by_view, wl, wv), 0.98f * wl.z / float(k_pi));
-        EXPECT_EQ(sample(su, by_view, wv, draw3()).weight, Rgb{});
+        const Vec3f wv = to_float(random_direction(random, 0.02)), wl = sample(view_proposal, wv, draw3());
+        EXPECT_GE(pdf(view_proposal, wl, wv), 0.98f * wl.z / float(k_pi));
+        EXPECT_EQ(sample(su, view_proposal, wv, draw3()).weight, Rgb{});
     }
 }
 
@@ -491,8 +492,7 @@ TEST_F(Sampling, TheMirrorDirectionHasADensity) {
                                                                      beside = normalize(mirrored + Vec3f(0, 3e-4f, 0));
                 const double density = double(pdf(proposal, mirrored, wv)),
                              density_beside = double(pdf(proposal, beside, wv));
-                EXPECT_TRUE(near_relative(density, density_beside, 0.5))
-                    << name << " " << theta << ": " << density << " " << density_beside;
+                EXPECT_WITHIN_RELATIVE(density, density_beside, 0.5) << name << " " << theta;
             }
         });
 }
@@ -508,7 +508,7 @@ TEST_F(Sampling, ExtremeModelsCanBeSampled) {
             const LightSample light_sample = sample(model, proposal, wv, u);
             EXPECT_TRUE(std::isfinite(light_sample.pdf) && light_sample.pdf >= 0 && is_finite(light_sample.weight));
             if (light_sample.pdf > 0) {
-                EXPECT_TRUE(near(double(dot(light_sample.wl, light_sample.wl)), 1, 1e-5));
+                EXPECT_WITHIN(double(dot(light_sample.wl, light_sample.wl)), 1, 1e-5);
             }
         }
     }

@@ -54,7 +54,7 @@ TEST(Search, PerturbationsFindAParameterizationThatStepsDoNotReach) {
     EXPECT_GE(found, 8);
 }
 
-TEST(Search, GrowsWhatMadeTheData) {
+TEST(Search, RecoversTheModelThatMadeTheData) {
     int found = 0;
     for (int start = 0; start < 10; ++start) {
         Reporter reporter({}, 1);

@@ -159,8 +159,8 @@ Answers expected() {
     return answers;
 }
 
-/// Ten times the usual tolerance for thin films: a phase of tens of radians loses a digit in shaders that fuse
-/// other products.
+/// The tolerance is ten times the usual one for thin films, because a phase of tens of radians loses a digit in
+/// shaders that fuse other products.
 double tolerance(const Model& model) {
     const auto* const openpbr = std::get_if<OpenPbrModel>(&model.model);
     return openpbr && openpbr->thin_film_weight > 0 ? 10 : 1;
@@ -206,48 +206,48 @@ void expect_equal(const Answers& answers, const std::string& language) {
     EXPECT_LE(double(wrong_samples), 0.001 * double(library.size())) << language;
 }
 
-/// Statements that evaluate a model: `write(k, vector, number)` stores answer k of three.
-std::string answer_text(std::size_t m, const std::string& zero, const auto& write) {
+/// Statements that evaluate a model: `store(k, vector, number)` stores answer k of three.
+std::string answer_text(std::size_t m, const std::string& zero, const auto& store) {
     const std::string name = name_of(m);
-    return write(0, name + "_value_pdf(wl, wv).value", name + "_value_pdf(wl, wv).pdf") +
-           write(1, fmt::format("{0}_sample(wv, u.x, u.y, u.z)", name),
+    return store(0, name + "_value_pdf(wl, wv).value", name + "_value_pdf(wl, wv).pdf") +
+           store(1, fmt::format("{0}_sample(wv, u.x, u.y, u.z)", name),
                  fmt::format("{0}_pdf({0}_sample(wv, u.x, u.y, u.z), wv)", name)) +
-           write(2, name + "_albedo(wv.z)", zero);
+           store(2, name + "_albedo(wv.z)", zero);
 }
 /// Returns the text of the answers for all models, which are numbered consecutively.
-std::string answers_text(const std::string& zero, const auto& write) {
+std::string answers_text(const std::string& zero, const auto& store) {
     std::string text;
     for (std::size_t m = 0; m < models().size(); ++m)
         text += answer_text(m, zero, [&](std::size_t k, const std::string& three, const std::string& number) {
-            return write(3 * m + k, three, number);
+            return store(3 * m + k, three, number);
         });
     return text;
 }
 
-class ShadingCode : public WrittenCode {
+class ShadingCode : public CodeTest {
   protected:
     /// Compiles the code as a C or C++ program, runs it and compares the answers. Optimised once, since warnings depend
     /// on it.
     void expect_compiled(const std::string& compiler, const std::string& header, const std::string& vector,
                          const std::string& name, const std::string& level = "-O0") {
-        const auto write = [](std::size_t k, const std::string& three, const std::string& number) {
+        const auto store = [](std::size_t k, const std::string& three, const std::string& number) {
             return fmt::format(
                 "        w = {}; r[4 * {} + 3] = {};\n        r[4 * {}] = w.x; r[4 * {} + 1] = w.y; r[4 * {} + 2] = "
                 "w.z;\n",
                 three, k, number, k, k, k);
         };
-        void* const library =
-            compiled(compiler + " -Wall -Wextra -Wconversion -Werror", name,
-                     header + fmt::format("#ifdef __cplusplus\nextern \"C\"\n#endif\n"
-                                          "void answer(const float* q, float* r, int n);\n"
-                                          "void answer(const float* q, float* r, int n) {{\n"
-                                          "    int i;\n    for (i = 0; i < n; ++i) {{\n"
-                                          "        {0} wl, wv, u, w;\n"
-                                          "        wl.x = q[0], wl.y = q[1], wl.z = q[2], wv.x = q[4], wv.y = q[5];\n"
-                                          "        wv.z = q[6], u.x = q[8], u.y = q[9], u.z = q[10];\n{1}"
-                                          "        q += 12, r += {2};\n    }}\n}}\n",
-                                          vector, answers_text("0.0f", write), 12 * models().size()),
-                     level);
+        void* const library = compile_and_load(
+            compiler + " -Wall -Wextra -Wconversion -Werror", name,
+            header + fmt::format("#ifdef __cplusplus\nextern \"C\"\n#endif\n"
+                                 "void answer(const float* q, float* r, int n);\n"
+                                 "void answer(const float* q, float* r, int n) {{\n"
+                                 "    int i;\n    for (i = 0; i < n; ++i) {{\n"
+                                 "        {0} wl, wv, u, w;\n"
+                                 "        wl.x = q[0], wl.y = q[1], wl.z = q[2], wv.x = q[4], wv.y = q[5];\n"
+                                 "        wv.z = q[6], u.x = q[8], u.y = q[9], u.z = q[10];\n{1}"
+                                 "        q += 12, r += {2};\n    }}\n}}\n",
+                                 vector, answers_text("0.0f", store), 12 * models().size()),
+            level);
         ASSERT_TRUE(library);
         const auto answer = function<void(const float*, float*, int)>(library, "answer");
         Answers answers(questions().size() * models().size());
@@ -260,7 +260,7 @@ TEST_F(ShadingCode, RunsAsCAndCpp) {
     const std::string& header = code_in_c();
     expect_compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wstrict-prototypes", header, "srbf_vec3", "c", "-O1");
     expect_compiled(SRBF_COMPILER " -x c++ -std=c++11 -pedantic", header, "srbf_vec3", "cpp");
-    const std::string plain = written("plain.h", code(CodeLanguage::c, false)),
+    const std::string plain = write_source("plain.h", code(CodeLanguage::c, false)),
                       checks = " -x c -std=c99 -pedantic -Wall -Wextra -Werror -Wno-unused-function -fsyntax-only '{}'";
     EXPECT_TRUE(runs(SRBF_COMPILER + fmt::format(fmt::runtime(checks), plain)));
     if (!std::strlen(SRBF_CLANG)) GTEST_SKIP() << "no clang (Debian: clang)";
@@ -268,15 +268,15 @@ TEST_F(ShadingCode, RunsAsCAndCpp) {
     expect_compiled(SRBF_CLANG " -x c -std=c99 -pedantic", header, "srbf_vec3", "c_of_clang", "-Ofast");
 }
 
-/// Renderers are often compiled so: sums are reordered, and all numbers taken for finite.
-TEST_F(ShadingCode, IsTheSameWithFastMath) {
+/// Renderers are often compiled with -ffast-math, which reorders sums and takes all numbers for finite.
+TEST_F(ShadingCode, FastMathKeepsItsValues) {
     expect_compiled(SRBF_COMPILER " -x c -std=c99", code_in_c(), "srbf_vec3", "c_fast", "-O2 -ffast-math");
-    void* const headers =
-        compiled(SRBF_COMPILER " -x c++ -std=c++20 -I'" SRBF_SOURCE_DIR "/include'", "headers",
-                 "#include \"srbf/handles.h\"\n"
-                 "extern \"C\" int above(float x, float y, float z) {\n"
-                 "    return srbf::above_horizon({x, y, z}, {0, 0, 1}) + 2 * srbf::is_finite(srbf::Rgb{x, y, z});\n}\n",
-                 "-Ofast");
+    void* const headers = compile_and_load(
+        SRBF_COMPILER " -x c++ -std=c++20 -I'" SRBF_SOURCE_DIR "/include'", "headers",
+        "#include \"srbf/handles.h\"\n"
+        "extern \"C\" int above(float x, float y, float z) {\n"
+        "    return srbf::above_horizon({x, y, z}, {0, 0, 1}) + 2 * srbf::is_finite(srbf::Rgb{x, y, z});\n}\n",
+        "-Ofast");
     const auto above = function<int(float, float, float)>(headers, "above");
     EXPECT_EQ(above(0, 0.6f, 0.8f), 3);
     for (const float x : {float(NAN), float(INFINITY), -float(INFINITY)})
@@ -285,7 +285,7 @@ TEST_F(ShadingCode, IsTheSameWithFastMath) {
 
 TEST_F(ShadingCode, CompilesAsCuda) {
     if (!std::strlen(SRBF_NVCC)) GTEST_SKIP() << "no nvcc";
-    const std::string source = written(
+    const std::string source = write_source(
         "code.cu", code(CodeLanguage::c, false) +
                        "__global__ void answer(srbf_vec3 wl, srbf_vec3 wv, float* f) { *f = m0_brdf(wl, wv).x + "
                        "m3_brdf(wl, wv).y; }\nsrbf_vec3 on_host(srbf_vec3 w) { return m0_brdf(w, w); }\n");
@@ -304,7 +304,7 @@ std::string map_code_in(CodeLanguage language) {
 /// Metal's compiler exists only on Apple's systems. Its language is C++14; a small replacement stands for its
 /// vector library.
 TEST_F(ShadingCode, RunsAsMetal) {
-    written("metal_stdlib", R"(#pragma once
+    write_source("metal_stdlib", R"(#pragma once
 #include <cmath>
 #define constant static const
 namespace metal {
@@ -326,9 +326,9 @@ using std::acos;
 )");
     expect_compiled(fmt::format("{} -x c++ -std=c++14 -I'{}'", SRBF_COMPILER, folder_.path.string()),
                     code(CodeLanguage::msl), "metal::float3", "msl");
-    EXPECT_TRUE(
-        runs(fmt::format("{} -x c++ -std=c++14 -I'{}' -fsyntax-only '{}'", SRBF_COMPILER, folder_.path.string(),
-                         written("plain.metal", code(CodeLanguage::msl, false) + code_of_extras(CodeLanguage::msl) +
+    EXPECT_TRUE(runs(
+        fmt::format("{} -x c++ -std=c++14 -I'{}' -fsyntax-only '{}'", SRBF_COMPILER, folder_.path.string(),
+                    write_source("plain.metal", code(CodeLanguage::msl, false) + code_of_extras(CodeLanguage::msl) +
                                                     map_code_in(CodeLanguage::msl)))));
 }
 
@@ -363,13 +363,13 @@ Answers run_shaders(const std::vector<std::string>& shaders) {
 
 /// The body of such a shader's main function.
 std::string shader_body(std::size_t m, const std::string& vec3, const std::string& vec4) {
-    const auto write = [&](std::size_t k, const std::string& three, const std::string& number) {
+    const auto store = [&](std::size_t k, const std::string& three, const std::string& number) {
         return fmt::format("    answers[3 * i + {}] = {}({}, {});\n", k, vec4, three, number);
     };
     return fmt::format(
                "    {0} wl = questions[3 * i].xyz, wv = questions[3 * i + 1].xyz, u = questions[3 * i + 2].xyz;\n",
                vec3) +
-           answer_text(m, "0.0", write);
+           answer_text(m, "0.0", store);
 }
 
 TEST_F(ShadingCode, RunsAsGlsl) {
@@ -416,7 +416,7 @@ TEST_F(ShadingCode, RunsAsHlsl) {
                 shader_body(m, "float3", "float4") + "}\n"));
         ASSERT_TRUE(runs(fmt::format("'{}' '{}' --version 450 --no-es --output '{}'", SRBF_SPIRV_CROSS,
                                      path("code.spv"), path("code.glsl"))));
-        shaders.push_back(contents(path("code.glsl")));
+        shaders.push_back(read_text(path("code.glsl")));
     }
     expect_equal(run_shaders(shaders), "hlsl");
 }
@@ -424,7 +424,7 @@ TEST_F(ShadingCode, RunsAsHlsl) {
 
 /// The exported code of a BSDF, with names that differ from those of `code`.
 std::string bsdf_in_wgsl() {
-    const Model model{full_bsdf(), {}};
+    const Model model{lobe_bsdf_with_beams(), {}};
     const auto text =
         shading_code(std::vector<NamedModel>{{"b", &model}}, "b", {.language = CodeLanguage::wgsl, .sampling = true});
     return text ? *text : message(text.error());
@@ -432,37 +432,39 @@ std::string bsdf_in_wgsl() {
 
 /// Runs in a browser's WebGPU.
 TEST_F(ShadingCode, RunsAsWgsl) {
-    const auto write = [&](std::size_t k, const std::string& three, const std::string& number) {
+    const auto store = [&](std::size_t k, const std::string& three, const std::string& number) {
         return fmt::format("    answers[{}u * i + {}u] = vec4f({}, {});\n", 3 * models().size(), k, three, number);
     };
-    written("code.wgsl",
-            "@group(0) @binding(0) var<storage, read> questions: array<vec4f>;\n"
-            "@group(0) @binding(1) var<storage, read_write> answers: array<vec4f>;\n" +
-                code(CodeLanguage::wgsl) +
-                "@compute @workgroup_size(64) fn main(@builtin(global_invocation_id) at: vec3u) {\n    let i = at.x;\n"
-                "    let wl = questions[3 * i].xyz;\n    let wv = questions[3 * i + 1].xyz;\n"
-                "    let u = questions[3 * i + 2].xyz;\n" +
-                answers_text("0.0", write) + "}\n");
-    written("plain.wgsl",
-            code(CodeLanguage::wgsl, false) + code_of_extras(CodeLanguage::wgsl) + bsdf_in_wgsl() +
-                map_code_in(CodeLanguage::wgsl) +
-                "@group(0) @binding(0) var layers: texture_2d_array<f32>;\n"
-                "@group(0) @binding(1) var linear: sampler;\n"
-                "fn map_layer(j: i32, u: f32, v: f32) -> vec3f {\n"
-                "    return textureSampleLevel(layers, linear, vec2f(u, v), j, 0.0).rgb;\n}\n"
-                "@fragment fn main(@location(0) wl: vec3f, @location(1) wv: vec3f, @location(2) uv: vec2f)\n"
-                "    -> @location(0) vec4f { return vec4f(map_brdf(wl, wv, map_coefficients(uv.x, uv.y)), 1.0); }\n");
+    write_source(
+        "code.wgsl",
+        "@group(0) @binding(0) var<storage, read> questions: array<vec4f>;\n"
+        "@group(0) @binding(1) var<storage, read_write> answers: array<vec4f>;\n" +
+            code(CodeLanguage::wgsl) +
+            "@compute @workgroup_size(64) fn main(@builtin(global_invocation_id) at: vec3u) {\n    let i = at.x;\n"
+            "    let wl = questions[3 * i].xyz;\n    let wv = questions[3 * i + 1].xyz;\n"
+            "    let u = questions[3 * i + 2].xyz;\n" +
+            answers_text("0.0", store) + "}\n");
+    write_source(
+        "plain.wgsl",
+        code(CodeLanguage::wgsl, false) + code_of_extras(CodeLanguage::wgsl) + bsdf_in_wgsl() +
+            map_code_in(CodeLanguage::wgsl) +
+            "@group(0) @binding(0) var layers: texture_2d_array<f32>;\n"
+            "@group(0) @binding(1) var linear: sampler;\n"
+            "fn map_layer(j: i32, u: f32, v: f32) -> vec3f {\n"
+            "    return textureSampleLevel(layers, linear, vec2f(u, v), j, 0.0).rgb;\n}\n"
+            "@fragment fn main(@location(0) wl: vec3f, @location(1) wv: vec3f, @location(2) uv: vec2f)\n"
+            "    -> @location(0) vec4f { return vec4f(map_brdf(wl, wv, map_coefficients(uv.x, uv.y)), 1.0); }\n");
     std::string bytes(questions().size() * sizeof(Question), '\0');
     std::memcpy(bytes.data(), questions().data(), bytes.size());
-    written("questions", bytes);
+    write_source("questions", bytes);
     const int status = std::system(
         fmt::format("PYTHONDONTWRITEBYTECODE=1 python3 '{}/test/wgsl.py' '{}' {} > '{}' 2>&1", SRBF_SOURCE_DIR,
                     folder_.path.string(), models().size() * sizeof(Answer) / sizeof(Question), path("output"))
             .c_str());
-    const std::string output = contents(path("output"));
+    const std::string output = read_text(path("output"));
     if (WIFEXITED(status) && WEXITSTATUS(status) == 77) GTEST_SKIP() << output;
     ASSERT_EQ(status, 0) << output;
-    bytes = contents(path("answers"));
+    bytes = read_text(path("answers"));
     Answers answers(bytes.size() / sizeof(Answer));
     std::memcpy(answers.data(), bytes.data(), answers.size() * sizeof(Answer));
     expect_equal(answers, "wgsl");
@@ -480,7 +482,7 @@ TEST_F(ShadingCode, BlendsAreSums) {
             "    f[0] = w.x;\n    for (i = 0; i < 3; ++i) f[i + 1] = m[i].x;\n    f += 4;\n",
             call, ", s)");
     };
-    void* const library = compiled(
+    void* const library = compile_and_load(
         SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Wno-unused-function -Werror", "blend",
         text(CodeLanguage::c) +
             "void answer(const float* q, const float* weights, float* f);\n"
@@ -522,10 +524,10 @@ TEST_F(ShadingCode, BlendsAreSums) {
 TEST(ShadingCodeText, ContainsOnlyWhatTheModelNeeds) {
     const std::vector<NamedModel> one{{"m", &models()[0]}};
     const std::string plain = *shading_code(one, "m", {}), sampled = *shading_code(one, "m", {.sampling = true});
-    EXPECT_EQ(plain.find("PmFeatures"), plain.npos);  // this form has none
-    EXPECT_EQ(plain.find("m_sample("), plain.npos);
-    EXPECT_NE(sampled.find("m_sample("), sampled.npos);
-    EXPECT_EQ(sampled.find("m_albedo("), sampled.npos);
+    EXPECT_LACKS(plain, "PmFeatures");  // this form has none
+    EXPECT_LACKS(plain, "m_sample(");
+    EXPECT_CONTAINS(sampled, "m_sample(");
+    EXPECT_LACKS(sampled, "m_albedo(");
     for (const CodeLanguage language :
          {CodeLanguage::glsl, CodeLanguage::hlsl, CodeLanguage::wgsl, CodeLanguage::msl, CodeLanguage::c})
         for (const char c : code(language, false)) ASSERT_TRUE(c == '\n' || (c >= ' ' && c < 0x7f)) << int(c);
@@ -535,8 +537,8 @@ TEST(ShadingCodeText, StoredNumbersAreConstants) {
     const auto& pm = std::get<PmModel>(models()[1].model);
     const std::string text = *shading_code(std::vector<NamedModel>{{"m", &models()[1]}}, "m", {});
     const std::string rows = text.substr(text.find("m_lobes["));
-    for (const float number : pm.exponent) EXPECT_NE(rows.find(fmt::format(" {}", number)), rows.npos) << number;
-    for (const float number : pm.bandwidth) EXPECT_NE(rows.find(fmt::format("{}", number)), rows.npos) << number;
+    for (const float number : pm.exponent) EXPECT_CONTAINS(rows, fmt::format(" {}", number)) << number;
+    for (const float number : pm.bandwidth) EXPECT_CONTAINS(rows, fmt::format("{}", number)) << number;
 }
 
 TEST(ShadingCodeText, NamesAreIdentifiers) {
@@ -557,15 +559,14 @@ TEST_F(ShadingCode, RunsViewByView) {
     const auto& su = std::get<SuModel>(model.model);
     const std::vector<NamedModel> named{{"su", &model}};
     const std::vector<float> data = shading_data(su);
-    const auto text = shading_code(named, "su", {.language = CodeLanguage::c});
-    ASSERT_TRUE(text) << message(text.error());
+    const auto text = checked(shading_code(named, "su", {.language = CodeLanguage::c}));
     void* const library =
-        compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Werror", "su",
-                 "static const float* data;\n#define su_number(i) data[i]\n" + *text +
-                     "void answer(const float* numbers, const float* q, float* f);\n"
-                     "void answer(const float* numbers, const float* q, float* f) {\n"
-                     "    srbf_vec3 wl = {q[0], q[1], q[2]}, wv = {q[4], q[5], q[6]}, w;\n"
-                     "    data = numbers, w = su_brdf(wl, wv);\n    f[0] = w.x, f[1] = w.y, f[2] = w.z;\n}\n");
+        compile_and_load(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Werror", "su",
+                         "static const float* data;\n#define su_number(i) data[i]\n" + *text +
+                             "void answer(const float* numbers, const float* q, float* f);\n"
+                             "void answer(const float* numbers, const float* q, float* f) {\n"
+                             "    srbf_vec3 wl = {q[0], q[1], q[2]}, wv = {q[4], q[5], q[6]}, w;\n"
+                             "    data = numbers, w = su_brdf(wl, wv);\n    f[0] = w.x, f[1] = w.y, f[2] = w.z;\n}\n");
     ASSERT_TRUE(library);
     const auto answer = function<void(const float*, const float*, float*)>(library, "answer");
     float peak = 0;
@@ -578,9 +579,8 @@ TEST_F(ShadingCode, RunsViewByView) {
             ASSERT_NEAR(f[std::size_t(c)], expected[c], std::max(1e-4f * expected[c], 1e-6f * peak));
     }
 
-    const auto glsl = shading_code(named, "su", {.albedo = true}),
-               hlsl = shading_code(named, "su", {.language = CodeLanguage::hlsl});
-    ASSERT_TRUE(glsl && hlsl);
+    const auto glsl = checked(shading_code(named, "su", {.albedo = true})),
+               hlsl = checked(shading_code(named, "su", {.language = CodeLanguage::hlsl}));
     const std::string in_glsl =
         "#version 300 es\nprecision highp float;\nuniform highp sampler2D data;\n"
         "float su_number(int i) { return texelFetch(data, ivec2(i % 1024, i / 1024), 0).x; }\n" +
@@ -601,7 +601,7 @@ TEST(ShadingCodeText, RejectsUnsupportedModels) {
     };
     expect_error(shading_code(named, "su", {.sampling = true}));
     expect_error(shading_code(named, "su", {.language = CodeLanguage::msl}));
-    const Model bsdf{full_bsdf(), {}};
+    const Model bsdf{lobe_bsdf_with_beams(), {}};
     for (const CodeModule& module : code_modules()) {
         expect_error(module.text(named, "su", 0));
         if (module.of_parts) expect_error(module.text(std::vector<NamedModel>{{"bsdf", &bsdf}}, "bsdf", 0));

@@ -8,16 +8,16 @@ namespace {
 
 TEST(Statistics, UpperGammaRatioAgreesWithTables) {
     // Critical values of the chi-square distribution: Q(dof/2, x/2).
-    EXPECT_TRUE(near(upper_gamma_ratio(0.5, 3.841459 / 2), 0.05, 1e-7));
-    EXPECT_TRUE(near(upper_gamma_ratio(5, 18.307038 / 2), 0.05, 1e-7));
-    EXPECT_TRUE(near(upper_gamma_ratio(5, 3.940299 / 2), 0.95, 1e-7));
-    EXPECT_TRUE(near(upper_gamma_ratio(50, 135.806723 / 2), 0.01, 1e-7));
+    EXPECT_WITHIN(upper_gamma_ratio(0.5, 3.841459 / 2), 0.05, 1e-7);
+    EXPECT_WITHIN(upper_gamma_ratio(5, 18.307038 / 2), 0.05, 1e-7);
+    EXPECT_WITHIN(upper_gamma_ratio(5, 3.940299 / 2), 0.95, 1e-7);
+    EXPECT_WITHIN(upper_gamma_ratio(50, 135.806723 / 2), 0.01, 1e-7);
     for (const double x : {0.0, 0.1, 1.0, 3.0, 30.0})
-        EXPECT_TRUE(near_relative(upper_gamma_ratio(1, x), std::exp(-x), 1e-12)) << x;
-    EXPECT_TRUE(near(upper_gamma_ratio(3, 4 - 1e-9), upper_gamma_ratio(3, 4 + 1e-9), 1e-8));
+        EXPECT_WITHIN_RELATIVE(upper_gamma_ratio(1, x), std::exp(-x), 1e-12) << x;
+    EXPECT_WITHIN(upper_gamma_ratio(3, 4 - 1e-9), upper_gamma_ratio(3, 4 + 1e-9), 1e-8);
 }
 
-TEST(Statistics, PValuesAreEvenForARightDistribution) {
+TEST(Statistics, PValuesOfTheRightDistributionAreUniform) {
     std::mt19937_64 random(1);
     const std::vector<double> expected(20, 50.0);
     double below_tenth = 0, sum = 0;
@@ -29,8 +29,8 @@ TEST(Statistics, PValuesAreEvenForARightDistribution) {
         below_tenth += p < 0.1;
         sum += p;
     }
-    EXPECT_TRUE(near(below_tenth / trials, 0.1, 0.03));
-    EXPECT_TRUE(near(sum / trials, 0.5, 0.03));
+    EXPECT_WITHIN(below_tenth / trials, 0.1, 0.03);
+    EXPECT_WITHIN(sum / trials, 0.5, 0.03);
 }
 
 TEST(Statistics, WrongDistributionsAreRejected) {
@@ -52,21 +52,21 @@ TEST(Statistics, WrongDistributionsAreRejected) {
 }
 
 TEST(Statistics, SidakKeepsTheWholeSignificance) {
-    EXPECT_TRUE(near(sidak(0.01, 1), 0.01, 1e-15));
-    EXPECT_TRUE(near(1 - std::pow(1 - sidak(0.01, 64), 64), 0.01, 1e-12));
+    EXPECT_WITHIN(sidak(0.01, 1), 0.01, 1e-15);
+    EXPECT_WITHIN(1 - std::pow(1 - sidak(0.01, 64), 64), 0.01, 1e-12);
 }
 
 TEST(Statistics, PolarBinsCoverTheSphereOnce) {
     std::mt19937_64 random(3);
     const PolarBins bins{random_direction(random), {0, 1e-3, 0.1, 1, 2}, 5};
-    const auto mass = bins.masses([](Vec3d) { return 1.0; }, 4);
+    const auto mass = bins.integrals([](Vec3d) { return 1.0; }, 4);
     for (std::size_t bin = 0; bin < bins.size(); ++bin) {
         const std::size_t ring = bin / 5;
-        EXPECT_TRUE(near_relative(mass[bin], 2 * k_pi / 5 * (bins.edge[ring + 1] - bins.edge[ring]), 1e-12));
+        EXPECT_WITHIN_RELATIVE(mass[bin], 2 * k_pi / 5 * (bins.edge[ring + 1] - bins.edge[ring]), 1e-12);
     }
     // Each quadrature point lies in its own bin.
     std::vector<std::size_t> visits(bins.size());
-    bins.masses([&](Vec3d w) { return ++visits[bins.index(w)], 1.0; }, 4);
+    bins.integrals([&](Vec3d w) { return ++visits[bins.index(w)], 1.0; }, 4);
     for (const std::size_t v : visits) EXPECT_EQ(v, 16u);
 }
 

@@ -43,7 +43,7 @@ TEST(Su, SampledViewsHaveTheirOwnFunction) {
                 const Rgb f = discretise == Discretise::view ? value(model, w, sample) : value(model, sample, w);
                 const auto expected = view_function(model, i, w);
                 for (int c = 0; c < 3; ++c)
-                    EXPECT_TRUE(near(double(f[c]), expected[std::size_t(c)], 2e-5)) << i << name(interpolation);
+                    EXPECT_WITHIN(double(f[c]), expected[std::size_t(c)], 2e-5) << i << name(interpolation);
             }
         }
 }
@@ -62,7 +62,7 @@ TEST(Su, LobesIntegrateToTheirClosedForm) {
             for (int c = 0; c < 3; ++c)
                 closed[std::size_t(c)] +=
                     double(model.coefficient[j][c]) * Kernel<double>::gaussian_integral(double(model.bandwidth[j]));
-        for (std::size_t c = 0; c < 3; ++c) EXPECT_TRUE(near_relative(sum[c], closed[c], 1e-4));
+        for (std::size_t c = 0; c < 3; ++c) EXPECT_WITHIN_RELATIVE(sum[c], closed[c], 1e-4);
     }
     // The model's own values are those: `SampledViewsHaveTheirOwnFunction`.
 }
@@ -126,7 +126,7 @@ TEST(Su, RotatedInterpolationOfAnIsotropicModelIsIsotropic) {
         // The model has a lobe around the mirror direction and one around the normal.
         const double lobe = Kernel<double>::gaussian(wl, mirror(wv), 100.0);
         const double body = Kernel<double>::gaussian(wl, Vec3d(0, 0, 1), 0.5 + wv.z);
-        EXPECT_TRUE(near(double(a.r), 0.3 * body + lobe, 4e-3)) << wv.z;
+        EXPECT_WITHIN(double(a.r), 0.3 * body + lobe, 4e-3) << wv.z;
     }
 }
 
@@ -148,7 +148,7 @@ TEST(Su, PlainWeightsArePositiveAndSumToOne) {
             const float f = value(model, {0, 0, 1}, wv).r;
             EXPECT_TRUE(f >= smallest - 1e-6f && f <= largest + 1e-6f);
             if (model.neighbours == 1) {
-                EXPECT_TRUE(near(double(f), double(largest), 1e-6));
+                EXPECT_WITHIN(double(f), double(largest), 1e-6);
             }
         }
 }
@@ -248,8 +248,7 @@ TEST(SuFile, RoundTripGivesTheRoundedModel) {
                     EXPECT_LE(dot(d, d), 2e-6f);
                 }
                 const auto bytes = write_model({model, {{"source", "a.bsdf"}}});
-                const auto reread = read_model(bytes, "x");
-                ASSERT_TRUE(reread) << message(reread.error());
+                const auto reread = checked(read_model(bytes, "x"));
                 EXPECT_EQ(std::get<SuModel>(reread->model), rounded_model);
                 EXPECT_EQ(reread->provenance, (std::map<std::string, std::string>{{"source", "a.bsdf"}}));
                 // Rounding again has little effect: the angles are relative to a direction that is not in half

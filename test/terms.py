@@ -9,7 +9,7 @@ import os
 import re
 import sys
 
-from documents import documents
+from support.documents import documents
 
 folder = sys.argv[1]
 STRINGS = re.compile(r'(?<!\w)"((?:[^"\\\n]|\\.)*)"')  # strings in one line of C++; adjacent ones are one string

@@ -102,8 +102,8 @@ TEST(Variate, PsiIsTheNormalisedSum) {
         const Vec3d wl = random_direction(random), wv = random_direction(random);
         const double angle = 2 * k_pi * uniform(random), a = std::cos(angle), b = std::sin(angle);
         const Vec3d p = K::psi(wl, wv, a, b);
-        EXPECT_TRUE(near(length(p), 1, 1e-14));
-        EXPECT_TRUE(near(length(cross(p, a * wl + b * wv)), 0, 1e-14));
+        EXPECT_WITHIN(length(p), 1, 1e-14);
+        EXPECT_WITHIN(length(cross(p, a * wl + b * wv)), 0, 1e-14);
         EXPECT_GT(dot(p, a * wl + b * wv), 0);
         EXPECT_LE(length(K::psi(wl, wv, 7 * a, 7 * b) - p), 1e-14);  // independent of the scale of (a, b)
         EXPECT_LE(length(K::psi(wv, wl, b, a) - p), 1e-14);          // swapping the directions and the weights
@@ -111,7 +111,7 @@ TEST(Variate, PsiIsTheNormalisedSum) {
         EXPECT_LE(length(K::psi(wl, wv, 1, 0) - wl), 1e-14);
         EXPECT_LE(length(K::psi(wl, wv, 0, 1) - wv), 1e-14);
         const Vec3d h = K::psi(wl, wv, 1, 1);
-        EXPECT_TRUE(near(dot(h, wl), dot(h, wv), 1e-12 / length(wl + wv)));
+        EXPECT_WITHIN(dot(h, wl), dot(h, wv), 1e-12 / length(wl + wv));
     }
 }
 
@@ -120,8 +120,8 @@ TEST(Variate, PsiIsAUnitVectorUntilTheSumVanishes) {
     for (const double distance : {1e-1, 1e-3, 1e-6, 1e-9}) {
         const Vec3d wl = random_direction(random), tangent = normalize(cross(wl, random_direction(random)));
         const Vec3d p = K::psi(wl, wl + distance * tangent, -1, 1);
-        EXPECT_TRUE(near(length(p), 1, 1e-14)) << distance;
-        EXPECT_TRUE(near(dot(p, tangent), 1, 1e-6)) << distance;
+        EXPECT_WITHIN(length(p), 1, 1e-14) << distance;
+        EXPECT_WITHIN(dot(p, tangent), 1, 1e-6) << distance;
     }
 }
 
@@ -130,7 +130,7 @@ TEST(Variate, PsiVanishesWhereTheSumDoes) {
     EXPECT_EQ(zero.x, 0);
     EXPECT_EQ(zero.y, 0);
     EXPECT_EQ(zero.z, 0);
-    EXPECT_TRUE(near_relative(Kernel<float>::gaussian(zero, w, 6.0f), std::exp(-3.0), 1e-6));
+    EXPECT_WITHIN_RELATIVE(Kernel<float>::gaussian(zero, w, 6.0f), std::exp(-3.0), 1e-6);
     EXPECT_EQ(length(widen(Kernel<float>::psi_by_angle(w, w, 0.0f, 0.0f))), 0);
     EXPECT_TRUE(std::isfinite(length(widen(Kernel<float>::psi_by_angle(w, w, -0.7f, 0.7f)))));
 }
@@ -145,7 +145,7 @@ TEST(Variate, PsiByAngleIsTheDerivative) {
         const double steepness = 1 / length(std::cos(angle) * wl + std::sin(angle) * wv);
         const Vec3d difference = (0.5 / h) * (psi_at(angle + h) - psi_at(angle - h));
         EXPECT_LE(length(derivative - difference), 1e-9 * std::pow(steepness, 3));
-        EXPECT_TRUE(near(dot(derivative, psi_at(angle)), 0, 1e-13 * steepness));
+        EXPECT_WITHIN(dot(derivative, psi_at(angle)), 0, 1e-13 * steepness);
 
         using D = Kernel<Dual>;
         const auto p = D::psi(constant(wl), constant(wv), Dual(std::cos(angle), -std::sin(angle)),
@@ -193,7 +193,7 @@ TEST(Variate, DualNumbersDifferentiateTheModel) {
         EXPECT_TRUE(all_near_relative(Vec3d(f.x.v, f.y.v, f.z.v), value, 1e-13));
         for (const auto& [derivative, expected, scale] :
              {std::tuple(f.x.d, difference.x, value.x), {f.y.d, difference.y, value.y}, {f.z.d, difference.z, value.z}})
-            EXPECT_TRUE(near(derivative, expected, 1e-6 * (std::abs(expected) + 10 * scale)));
+            EXPECT_WITHIN(derivative, expected, 1e-6 * (std::abs(expected) + 10 * scale));
     }
 }
 
@@ -224,7 +224,7 @@ TEST(Variate, FurtherFeaturesAreReciprocalAndNotPositive) {
                    exchanged = K::pm_further_features(SRBF_TERMS, wv, wl);
         for (int k = 0; k < SRBF_TERMS; ++k) {
             EXPECT_LE(features.x[k], 1e-15) << k;
-            EXPECT_TRUE(near(features.x[k], exchanged.x[k], 1e-12)) << k;
+            EXPECT_WITHIN(features.x[k], exchanged.x[k], 1e-12) << k;
         }
         for (int count = 0; count < SRBF_TERMS; ++count) {
             const auto first = K::pm_further_features(count, wl, wv);

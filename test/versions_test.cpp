@@ -19,13 +19,15 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path k_folder = fs::path(SRBF_SOURCE_DIR) / "test" / "models";
-const std::string k_current = "1";
+const std::string k_file_version = "1";
+/// Files of this kind begin with the former name of OpenPBR, by which it is read but not written.
+constexpr const char* k_renamed = "pbr";
 /// Files that version 0.1 wrote and that need a new fit, with the reason that the error states.
 const std::map<std::string, std::string> k_refused{
     {"stack", "texels with lobes of their own"}, {"su", "shapes of lobes"}, {"su_cube", "shapes of lobes"}};
 
-/// A model of each kind that the program writes today.
-std::map<std::string, Model> models_of_today() {
+/// A model of each kind that the program writes.
+std::map<std::string, Model> current_models() {
     std::map<std::string, Model> all;
     std::mt19937_64 random(44);
     for (const PmForm form : k_forms)
@@ -50,8 +52,8 @@ std::map<std::string, Model> models_of_today() {
     brushed.specular_roughness_anisotropy = 0.7f, brushed.specular_rotation = 0.1f;
     all["openpbr_brushed"] = {rounded(brushed), {}};
     all["openpbr_film"] = {rounded(OpenPbrModel{.base_metalness = 0.5f, .thin_film_weight = 0.75f}), {}};
-    all["bsdf"] = {full_bsdf(), {}};
-    all["bsdf_turned"] = {full_bsdf(), {}};  // whose beams depend on azimuth
+    all["bsdf"] = {lobe_bsdf_with_beams(), {}};
+    all["bsdf_turned"] = {lobe_bsdf_with_beams(), {}};  // whose beams depend on azimuth
     return all;
 }
 
@@ -75,7 +77,7 @@ std::string csv_of(const std::vector<Rgb>& values) {
 }
 
 std::vector<Rgb> values_in(const fs::path& csv) {
-    const std::string text = contents(csv);
+    const std::string text = read_text(csv);
     std::vector<Rgb> values;
     std::vector<std::string_view> fields;
     for (Lines lines(text); auto line = lines.next();) {
@@ -87,22 +89,21 @@ std::vector<Rgb> values_in(const fs::path& csv) {
     return values;
 }
 
-/// Writes the files of today that are missing.
+/// Writes the files of the current version that are missing.
 void write_missing() {
-    const fs::path folder = k_folder / k_current;
+    const fs::path folder = k_folder / k_file_version;
     fs::create_directories(folder);
     const auto add = [&](const std::string& name, const std::vector<std::byte>& bytes) {
         const fs::path file = folder / (name + ".srbf");
         if (fs::exists(file)) return;
         ASSERT_TRUE(write_file(file.string(), bytes).ok());
-        const auto loaded = load_brdf(file.string());
-        ASSERT_TRUE(loaded.ok()) << message(loaded.error());
-        write(folder / (name + ".csv"), csv_of(values_of(*loaded)));
+        const auto loaded = checked(load_brdf(file.string()));
+        write_text(folder / (name + ".csv"), csv_of(values_of(*loaded)));
     };
-    for (const auto& [name, model] : models_of_today()) add(name, write_model(model));
+    for (const auto& [name, model] : current_models()) add(name, write_model(model));
 }
 
-TEST(Versions, FilesOfEachAreReadAndMeanTheSame) {
+TEST(Versions, FilesOfEachVersionKeepTheirMeaning) {
     if (std::getenv("SRBF_WRITE_MODELS")) write_missing();
     int files = 0;
     for (const auto& entry : fs::recursive_directory_iterator(k_folder)) {
@@ -110,37 +111,35 @@ TEST(Versions, FilesOfEachAreReadAndMeanTheSame) {
         SCOPED_TRACE(entry.path().string());
         ++files;
         if (k_refused.contains(entry.path().stem().string())) continue;
-        const auto loaded = load_brdf(entry.path().string());
-        ASSERT_TRUE(loaded.ok()) << message(loaded.error());
+        const auto loaded = checked(load_brdf(entry.path().string()));
         const auto expected = values_in(fs::path(entry.path()).replace_extension(".csv")), found = values_of(*loaded);
         ASSERT_EQ(found.size(), expected.size());
         for (std::size_t i = 0; i < found.size(); ++i)
-            for (int c = 0; c < 3; ++c)
-                EXPECT_TRUE(near(found[i][c], expected[i][c], 1e-4 * expected[i][c] + 1e-7)) << i;
-        if (entry.path().parent_path().filename() != k_current) continue;
+            for (int c = 0; c < 3; ++c) EXPECT_WITHIN(found[i][c], expected[i][c], 1e-4 * expected[i][c] + 1e-7) << i;
+        if (entry.path().parent_path().filename() != k_file_version) continue;
         const auto bytes = *read_file(entry.path().string());
-        if (entry.path().stem().string().starts_with("pbr")) continue;  // a kind that is written by another name now
+        if (entry.path().stem().string().starts_with(k_renamed)) continue;
         EXPECT_EQ(write_model(std::get<Model>(*loaded)), bytes);
     }
     EXPECT_GE(files, 20);
 }
 
-TEST(Versions, SomeAreRefusedInOneLine) {
+TEST(Versions, WithdrawnFilesAreRefusedInOneLine) {
     for (const auto& [name, found] : k_refused) {
         const auto loaded = load_brdf((k_folder / "1" / (name + ".srbf")).string());
         ASSERT_FALSE(loaded);
-        EXPECT_NE(message(loaded.error()).find("found " + found), std::string::npos) << message(loaded.error());
+        EXPECT_CONTAINS(message(loaded.error()), "found " + found);
     }
     EXPECT_FALSE(load_brdf((k_folder / "1" / "stack.srbf#1").string()));
 }
 
 /// A kind of which no file is kept could change its meaning unseen.
 TEST(Versions, AFileOfEachKindIsKept) {
-    for (const auto& [name, model] : models_of_today())
-        EXPECT_TRUE(fs::exists(k_folder / k_current / (name + ".srbf"))) << name;
-    const auto bytes = write_model(models_of_today().begin()->second);
+    for (const auto& [name, model] : current_models())
+        EXPECT_TRUE(fs::exists(k_folder / k_file_version / (name + ".srbf"))) << name;
+    const auto bytes = write_model(current_models().begin()->second);
     const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    EXPECT_NE(text.find("\"srbf\":\"" + k_current + "\""), text.npos) << "a new version needs a folder of files";
+    EXPECT_CONTAINS(text, "\"srbf\":\"" + k_file_version + "\"") << "a new version needs a folder of files";
 }
 
 }  // namespace

@@ -56,7 +56,7 @@ TEST(ViewProblem, LossCountsPairsAndRadiances) {
         }
         expected += off[0] * off[0] + off[1] * off[1];
     }
-    EXPECT_TRUE(near_relative(loss, expected, 1e-3));
+    EXPECT_WITHIN_RELATIVE(loss, expected, 1e-3);
     const ViewRows without = rows(false);
     EXPECT_LT(problem.loss(problem.start(without, k_lobes)), loss);
 }
@@ -72,7 +72,7 @@ void expect_gradient(ViewProblem& problem, const Eigen::VectorXd& x) {
         Eigen::VectorXd more = x, less = x;
         more[i] += step, less[i] -= step;
         const double difference = (problem.loss(more) - problem.loss(less)) / (2 * step);
-        EXPECT_TRUE(near(2 * g[i], difference, 0.01 * 2 * g.norm())) << "variable " << i;
+        EXPECT_WITHIN(2 * g[i], difference, 0.01 * 2 * g.norm()) << "variable " << i;
     }
 }
 

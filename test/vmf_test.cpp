@@ -43,8 +43,8 @@ TYPED_TEST(VmfOf, DensityIntegratesToOne) {
         for (const Vec3d& centre : k_centres) {
             double sum = 0;
             const auto pdf = [&](Vec3d w) { return this->pdf(w, centre, bandwidth); };
-            for (const double mass : bins_about(centre, bandwidth).masses(pdf)) sum += mass;
-            EXPECT_TRUE(near(sum, 1, 5e-4)) << bandwidth;
+            for (const double mass : bins_about(centre, bandwidth).integrals(pdf)) sum += mass;
+            EXPECT_WITHIN(sum, 1, 5e-4) << bandwidth;
         }
     }
 }
@@ -68,12 +68,13 @@ TYPED_TEST(VmfOf, WarpIsContinuousAcrossItsSeries) {
     for (int i = 0; i < 2000; ++i) {
         const double u1 = this->draw(), u2 = this->draw();
         const Vec3d centre = random_direction(this->random);
-        const Vec3d apart = this->sample(centre, double(at), u1, u2) - this->sample(centre, double(before), u1, u2);
+        const Vec3d difference =
+            this->sample(centre, double(at), u1, u2) - this->sample(centre, double(before), u1, u2);
         // Near the poles the sine grows as the root of the cosine's difference.
         const double cosine = dot(this->sample(centre, double(at), u1, u2), centre);
         const double steepness = std::max(1.0, std::abs(cosine) / std::sqrt(std::max(1 - cosine * cosine, 1e-6)));
-        EXPECT_LE(std::sqrt(dot(apart, apart)) / steepness, tolerance);
-        largest = std::max(largest, std::sqrt(dot(apart, apart)));
+        EXPECT_LE(std::sqrt(dot(difference, difference)) / steepness, tolerance);
+        largest = std::max(largest, std::sqrt(dot(difference, difference)));
     }
     EXPECT_GT(largest, 0);  // both forms are in use
 }
@@ -92,7 +93,7 @@ TEST(Vmf, AreaOfTheWarpTimesTheDensityIsOne) {
             };
             const Vec3d area = cross(by(h, 0), by(0, h));
             const Vec3d w = K::sample_vmf(centre, bandwidth, u1, u2);
-            EXPECT_TRUE(near(std::sqrt(dot(area, area)) * K::vmf_pdf(w, centre, bandwidth), 1, 1e-5)) << bandwidth;
+            EXPECT_WITHIN(std::sqrt(dot(area, area)) * K::vmf_pdf(w, centre, bandwidth), 1, 1e-5) << bandwidth;
         }
     }
 }
@@ -105,7 +106,7 @@ TYPED_TEST(VmfOf, EveryDrawIsADirection) {
             for (const double u1 : edges)
                 for (const double u2 : edges) {
                     const Vec3d w = this->sample(centre, bandwidth, u1, u2);
-                    EXPECT_TRUE(near(dot(w, w), 1, 1e-5)) << bandwidth << ' ' << u1 << ' ' << u2;
+                    EXPECT_WITHIN(dot(w, w), 1, 1e-5) << bandwidth << ' ' << u1 << ' ' << u2;
                 }
 }
 

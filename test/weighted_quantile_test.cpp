@@ -29,7 +29,7 @@ TEST(WeightedQuantile, IsTheFirstOfTheSortedThatReachesTheShare) {
     }
 }
 
-TEST(WeightedQuantile, OfNothingIsZero) { EXPECT_EQ(weighted_quantile({}, 0.5), 0); }
+TEST(WeightedQuantile, IsZeroWithoutValues) { EXPECT_EQ(weighted_quantile({}, 0.5), 0); }
 
 }  // namespace
 }  // namespace srbf::weighted_quantile_test

@@ -6,7 +6,7 @@ import base64
 import os
 import sys
 
-from chromium import Chromium, program
+from support.chromium import Chromium, program
 
 folder, ratio = sys.argv[1], int(sys.argv[2])
 
@@ -30,27 +30,27 @@ if not chromium.run("navigator.gpu ? navigator.gpu.requestAdapter().then((adapte
 questions = read("questions")
 answer = chromium.run("""(async (plain, code, questions, bytes) => {
     const device = await (await navigator.gpu.requestAdapter()).requestDevice();
-    const compiled = async (code) => {
+    const compile = async (code) => {
         const module = device.createShaderModule({ code });
         for (const fault of (await module.getCompilationInfo()).messages) throw Error(`${fault.lineNum}: ${fault.message}`);
         return module;
     };
-    await compiled(plain);
-    const module = await compiled(code);
+    await compile(plain);
+    const module = await compile(code);
     const pipeline = device.createComputePipeline({ layout: "auto", compute: { module, entryPoint: "main" } });
     const data = Uint8Array.from(atob(questions), (c) => c.charCodeAt(0));
     const { STORAGE, COPY_SRC, COPY_DST, MAP_READ } = GPUBufferUsage;
-    const asked = device.createBuffer({ size: data.length, usage: STORAGE | COPY_DST });
-    const told = device.createBuffer({ size: bytes, usage: STORAGE | COPY_SRC });
+    const input = device.createBuffer({ size: data.length, usage: STORAGE | COPY_DST });
+    const output = device.createBuffer({ size: bytes, usage: STORAGE | COPY_SRC });
     const read = device.createBuffer({ size: bytes, usage: MAP_READ | COPY_DST });
-    device.queue.writeBuffer(asked, 0, data);
+    device.queue.writeBuffer(input, 0, data);
     const encoder = device.createCommandEncoder(), pass = encoder.beginComputePass();
     pass.setPipeline(pipeline);
     pass.setBindGroup(0, device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries:
-        [asked, told].map((buffer, binding) => ({ binding, resource: { buffer } })) }));
+        [input, output].map((buffer, binding) => ({ binding, resource: { buffer } })) }));
     pass.dispatchWorkgroups(data.length / 48 / 64);
     pass.end();
-    encoder.copyBufferToBuffer(told, 0, read, 0, bytes);
+    encoder.copyBufferToBuffer(output, 0, read, 0, bytes);
     device.queue.submit([encoder.finish()]);
     await read.mapAsync(GPUMapMode.READ);
     const answers = new Uint8Array(read.getMappedRange());

@@ -7,7 +7,7 @@ import tempfile
 
 here = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(here, "..", "..", "test"))
-import chromium  # noqa: E402
+from support import chromium  # noqa: E402
 
 PANEL, PATHS = 140, 96  # pixels of a panel, paths of a pixel
 HIDDEN = 14  # rows of a picture that are not shown, of the dark room above the horizon

@@ -9,7 +9,7 @@ import sys
 here = os.path.dirname(os.path.abspath(__file__))
 root = os.path.join(here, "..", "..")
 sys.path.insert(0, os.path.join(root, "test"))
-import chromium  # noqa: E402
+from support import chromium  # noqa: E402
 
 PANEL, COLUMNS, SAMPLES = (200, 150), 5, 64  # pixels of a panel, panels of a row, samples of a pixel
 ROW = 203  # pixels of a panel with its text

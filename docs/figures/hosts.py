@@ -5,7 +5,7 @@ import sys
 
 here = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(here, "..", "..", "test"))
-import chromium  # noqa: E402
+from support import chromium  # noqa: E402
 
 PANEL = 128  # pixels a side
 HEAD = 190  # pixels of the names of the rows

@@ -7,7 +7,7 @@ import tempfile
 
 here = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(here, "..", "..", "test"))
-import chromium  # noqa: E402
+from support import chromium  # noqa: E402
 
 PANEL, HEAD = 300, 90  # pixels of a panel, and of the names of the rows
 FILM = os.path.join(here, "..", "..", "data", "cc_ibiza_sunset_rgb.bsdf")

@@ -12,7 +12,7 @@ import sys
 here = os.path.dirname(os.path.abspath(__file__))
 data = os.path.join(here, "..", "..", "data")
 sys.path.insert(0, os.path.join(here, "..", "..", "test"))
-import chromium  # noqa: E402
+from support import chromium  # noqa: E402
 
 PANEL = 360  # pixels a side
 HIDDEN, SHOWN = 37, 323  # rows of a picture that are not shown, of the dark room above the horizon, and those that are

@@ -16,7 +16,7 @@ import srbf
 
 here = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [os.path.join(here, "..", "..", name) for name in ("test", "paper")]
-import chromium  # noqa: E402
+from support import chromium  # noqa: E402
 import rivals  # noqa: E402
 import stand_ins  # noqa: E402
 

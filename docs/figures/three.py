@@ -16,9 +16,9 @@ import numpy as np
 
 here = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(here, "..", "..", "test"))
-import chromium  # noqa: E402
-from seen import delta_e, displayed, equirectangular, exposure  # noqa: E402
-from surface_drawing import DISTANCE, ELEVATION, FIELD, pixels_of  # noqa: E402
+from support import chromium  # noqa: E402
+from support.visible_error import delta_e, displayed, equirectangular, exposure  # noqa: E402
+from support.surface_drawing import DISTANCE, ELEVATION, FIELD, pixels_of  # noqa: E402
 
 SIZE, PATHS = 240, 512  # pixels of a side; paths of a pixel
 FINE = 1 / 200  # the last step of the search

@@ -6,7 +6,7 @@ import time
 
 here = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(here, "..", "..", "test"))
-from chromium import WEBGL, Chromium  # noqa: E402
+from support.chromium import WEBGL, Chromium  # noqa: E402
 
 PATIENCE = 600  # seconds until a picture counts as missing
 page = Chromium(WEBGL)

@@ -50,7 +50,7 @@ def one_of_each_kind():
     return paths
 
 
-def test_calls_in_any_order_answer_alike():
+def test_results_do_not_depend_on_the_order_of_calls():
     kinds = one_of_each_kind()
     assert set(kinds) == {(kind, behind) for kind in (srbf.Model, srbf.Measurement) for behind in (False, True)}
     for seed, path in enumerate(kinds.values()):
@@ -122,7 +122,7 @@ def test_functions_return_rows(change):
         srbf.fit(lambda wl, wv: change(np.full(wl.shape, 0.2)), model="ggx", lobes=1, objective="raw")
 
 
-def test_anisotropic_samples_are_told_of(recwarn):
+def test_anisotropic_samples_give_a_warning(recwarn):
     angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
 
     def rotated(w):

@@ -32,7 +32,7 @@ def itp(x):
 
 
 @pytest.mark.parametrize("name", ["paper_white", "cc_ibiza_sunset"])
-def test_flip_and_delta_e_are_those_of_others(name):
+def test_flip_and_delta_e_agree_with_other_programs(name):
     measured = srbf.load(DATA / f"{name}_rgb.bsdf")
     model = srbf.fit(measured, lobes=3, variates=2, objective="cosine").model
     ours = srbf.errors(measured, model)["lightings"]

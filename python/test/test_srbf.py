@@ -78,7 +78,7 @@ def test_values_are_those_of_the_formula(model):
     np.testing.assert_allclose(model.eval(wl, wv), expected, rtol=2e-4, atol=1e-6 * expected.max())
 
 
-def test_shapes_and_types(model):
+def test_results_have_the_shape_and_type_of_the_input(model):
     wl, wv = directions(4, 5), directions(5, seed=1)
     f = model.eval(wl, wv)
     assert f.shape == (4, 5, 3) and f.dtype == np.float32
@@ -135,7 +135,7 @@ def test_a_model_is_saved_pickled_and_converted(model, tmp_path):
         assert srbf.errors(model, table, max_theta=60)["heldout_squared_error_ratio_cosine"] < 0.02
 
 
-def test_a_fit_tells_what_the_program_tells(paper):
+def test_a_fit_reports_what_the_program_reports(paper):
     fit = srbf.fit(paper, lobes=2, variates=2)
     assert fit.reached and fit.stop_reason and fit.model.nbytes == 48
     assert fit.model.provenance["source"].endswith("paper_white_rgb.bsdf")
@@ -158,7 +158,7 @@ def test_errors_of_functions_are_those_of_their_values(paper, facets):
         srbf.errors(paper, "paper.srbf")
 
 
-def test_values_that_are_missing_are_no_values():
+def test_missing_values_are_left_out():
     wl, wv, f = directions(300), directions(300, seed=1), np.full((300, 3), 0.25)
     hidden = np.arange(300) % 7 == 0
     for missing in (np.where(hidden[:, None], -999, f), np.ma.masked_array(f, np.broadcast_to(hidden[:, None], f.shape))):
@@ -177,7 +177,7 @@ def test_functions_and_arrays_are_fitted():
     np.testing.assert_allclose(samples.eval(wl, wv), 0.25, rtol=1e-4)
 
 
-def test_progress_is_told_and_cancels(paper):
+def test_progress_is_reported_and_can_cancel(paper):
     calls = []
     srbf.fit(paper, lobes=2, variates=2, progress=lambda stage, fraction: calls.append((stage, fraction)))
     assert calls and all(0 <= fraction <= 1 for _, fraction in calls) and [f for _, f in calls] == sorted(f for _, f in calls)
@@ -337,7 +337,7 @@ def test_measurements_are_pickled_and_compared(paper, both_sides, facets, tmp_pa
             srbf._unpickled(*wrong)
 
 
-def test_what_is_exchanged_says_so(paper, facets):
+def test_exchanged_brdfs_are_named_so(paper, facets):
     assert "exchanged" not in repr(paper) + repr(facets) and not paper.is_exchanged
     samples = srbf.from_arrays(directions(60), directions(60, seed=1), np.full(60, 0.1))
     for brdf in (paper, facets, samples):
@@ -404,7 +404,7 @@ def test_an_interrupt_ends_long_calls(work, tmp_path):
         assert words[0] == "interrupted" and float(words[1]) < (0.3 + 2 * slowness()) * os.cpu_count() and process.returncode == 0
 
 
-def test_a_preview_is_doubled():
+def test_previews_are_enlarged_twice():
     bright = srbf._doubled(np.float32(np.arange(12).reshape(2, 2, 3)))
     assert bright.shape == (4, 4, 3)
     np.testing.assert_allclose(bright[:, 0, 0], [0, 1.5, 4.5, 6])
@@ -420,7 +420,7 @@ def test_png_is_srgb():
     assert list(zlib.decompress(data[start + 4:start + 4 + length])) == [0, 0, 188, 255, 255, 0, 0]
 
 
-def test_pictures_and_code(paper, facets):
+def test_pictures_and_code_are_made(paper, facets):
     for brdf in (paper, facets):
         assert brdf._repr_png_().startswith(b"\x89PNG")
     picture = srbf.render(paper, "lamp", 64)
@@ -440,13 +440,13 @@ def test_pictures_and_code(paper, facets):
     (None, [0, 0, 1], TypeError, "dtype"),
     (np.zeros((2, 3)) + [0, 0, 1], np.zeros((3, 3)) + [0, 0, 1], ValueError, "broadcast"),
 ])
-def test_wrong_directions(paper, wl, wv, error, words):
+def test_wrong_directions_are_refused(paper, wl, wv, error, words):
     for ask in (paper.eval, paper.pdf):
         with pytest.raises(error, match=words):
             ask(wl, wv)
 
 
-def test_wrong_input(paper, facets, tmp_path):
+def test_wrong_input_is_refused(paper, facets, tmp_path):
     (tmp_path / "cut.bsdf").write_bytes(PAPER.read_bytes()[:1000])
     for path, code in ((tmp_path / "missing", "unreadable"), (tmp_path, "unreadable"), (tmp_path / "cut.bsdf", "malformed")):
         with pytest.raises(srbf.Error) as caught:
@@ -525,7 +525,7 @@ def test_the_package_and_the_documentation_are_typed(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_both_sides(tmp_path):
+def test_both_sides_are_read_and_sampled(tmp_path):
     path = tmp_path / "both.csv"
     rows = ["# both sides", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value"]
     rows += ["0,0,1,0,0.6,0.8,1", "0,0,-1,0,0.6,-0.8,2", "0,0,1,0,0.6,-0.8,3"]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 root = Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(root / "test"))
-from chromium import WEBGL, Chromium, program  # noqa: E402
+from support.chromium import WEBGL, Chromium, program  # noqa: E402
 
 SIZES = [(360, 740), (768, 1024), (1440, 900)]
 LEAST_CONTRAST = 4.5

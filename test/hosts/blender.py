@@ -24,9 +24,9 @@ if importlib.util.find_spec("bpy") is None:
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from seen import delta_e, displayed, exposure  # noqa: E402
-from surface_drawing import DISTANCE, ELEVATION, FIELD, MATERIALS, SIZE, drawn, drawn_by_cycles, on_sphere, run, studio  # noqa: E402
-from verdict import end, expect  # noqa: E402
+from support.visible_error import delta_e, displayed, exposure  # noqa: E402
+from support.surface_drawing import DISTANCE, ELEVATION, FIELD, MATERIALS, SIZE, drawn, drawn_by_cycles, on_sphere, run, studio  # noqa: E402
+from support.checks import end, expect  # noqa: E402
 
 data = Path(sys.argv[2])
 LAMP = (0.6, -0.5, 0.62)

@@ -18,7 +18,7 @@ sys.path.insert(0, str(here.parent.parent))
 spec = importlib.util.spec_from_file_location("shaders", here.parent.parent / "engine_shaders.py")
 shaders = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(shaders)
-import lit_sphere  # noqa: E402
+from support import lit_sphere  # noqa: E402
 
 program, data = os.path.abspath(sys.argv[1]), here.parents[2] / "data"
 glslang, spirv_cross = shutil.which("glslangValidator"), shutil.which("spirv-cross")

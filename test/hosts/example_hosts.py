@@ -17,9 +17,9 @@ import numpy as np
 
 here = Path(__file__).resolve()
 sys.path.insert(0, str(here.parent.parent))
-import lit_sphere  # noqa: E402
-from chromium import WEBGL, program as chromium  # noqa: E402
-from served import WEBGPU, opened, picture as picture_of  # noqa: E402
+from support import lit_sphere  # noqa: E402
+from support.chromium import WEBGL, program as chromium  # noqa: E402
+from support.browser_server import WEBGPU, opened, picture as picture_of  # noqa: E402
 
 program, examples = os.path.abspath(sys.argv[1]), here.parents[2] / "examples/hosts"
 FILAMENT = "/usr/include/filament-1.9"  # where Debian has its headers

@@ -17,9 +17,9 @@ from MaterialX import PyMaterialXGenGlsl as glsl
 from MaterialX import PyMaterialXGenShader as shaders
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from chromium import WEBGL, Chromium, program as chromium  # noqa: E402
-from seen import delta_e  # noqa: E402
-from surface_drawing import BRUSHED, MATERIALS, draws_brushed, holds, run  # noqa: E402
+from support.chromium import WEBGL, Chromium, program as chromium  # noqa: E402
+from support.visible_error import delta_e  # noqa: E402
+from support.surface_drawing import BRUSHED, MATERIALS, draws_brushed, holds, run  # noqa: E402
 
 data = Path(sys.argv[2])
 LIGHTS = np.array([[-6 / 11, 6 / 11, 7 / 11], [7 / 9, 4 / 9, 4 / 9], [-2 / 11, 9 / 11, -6 / 11]])

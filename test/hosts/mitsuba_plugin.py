@@ -23,9 +23,9 @@ import numpy as np
 
 root = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(root / "test"))
-import lit_sphere  # noqa: E402
-from seen import delta_e  # noqa: E402
-from verdict import end, expect  # noqa: E402
+from support import lit_sphere  # noqa: E402
+from support.visible_error import delta_e  # noqa: E402
+from support.checks import end, expect  # noqa: E402
 
 program, film = Path(sys.argv[1]).resolve(), root / "data/cc_ibiza_sunset_rgb.bsdf"
 CELLS, FINER, SAMPLES = (48, 48), 10, 100000  # of cosθ and φ; points along an edge of a cell, by which its integrals are found

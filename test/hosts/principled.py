@@ -17,8 +17,8 @@ if importlib.util.find_spec("bpy") is None:
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from seen import delta_e, displayed, exposure  # noqa: E402
-from surface_drawing import BRUSHED, MATERIALS, draws_brushed, drawn, drawn_by_cycles, holds, lost, on_sphere, run  # noqa: E402
+from support.visible_error import delta_e, displayed, exposure  # noqa: E402
+from support.surface_drawing import BRUSHED, MATERIALS, draws_brushed, drawn, drawn_by_cycles, holds, lost, on_sphere, run  # noqa: E402
 
 data = Path(sys.argv[2])
 OWN_FORMULAS = {"cg_sunflower_rgb", "colodur_napoli_4f_rgb", "paper_white_rgb"}  # farther apart by Cycles' own, which docs/surface.md names

@@ -13,7 +13,7 @@ import numpy as np
 import pyradiance.bsdf as radiance
 
 sys.path.insert(0, os.path.join(os.path.dirname(__file__), ".."))
-from verdict import end, expect  # noqa: E402
+from support.checks import end, expect  # noqa: E402
 
 program, data = sys.argv[1], sys.argv[2]
 

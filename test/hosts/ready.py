@@ -12,7 +12,7 @@ from pathlib import Path
 
 root = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(root / "web"), str(root / "test")]
-from chromium import WEBGL, Chromium, program as chromium  # noqa: E402
+from support.chromium import WEBGL, Chromium, program as chromium  # noqa: E402
 from packed import packed  # noqa: E402
 
 program, data = Path(sys.argv[1]).resolve(), root / "data"

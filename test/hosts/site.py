@@ -13,7 +13,7 @@ from pathlib import Path
 
 root = Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(root / "test"))
-from chromium import WEBGL, Chromium, program  # noqa: E402
+from support.chromium import WEBGL, Chromium, program  # noqa: E402
 
 srbf = root / "build/release/srbf"
 failures = []

@@ -19,9 +19,9 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from chromium import WEBGL, Chromium, program as chromium  # noqa: E402
-from seen import delta_e, displayed, exposure, hdr_of  # noqa: E402
-from surface_drawing import BRUSHED, DISTANCE, ELEVATION, FIELD, MATERIALS, SAMPLES, SIZE, draws_brushed, holds, lost, on_sphere, pixels_of, run, studio as environment  # noqa: E402
+from support.chromium import WEBGL, Chromium, program as chromium  # noqa: E402
+from support.visible_error import delta_e, displayed, exposure, hdr_of  # noqa: E402
+from support.surface_drawing import BRUSHED, DISTANCE, ELEVATION, FIELD, MATERIALS, SAMPLES, SIZE, draws_brushed, holds, lost, on_sphere, pixels_of, run, studio as environment  # noqa: E402
 
 found = next((Path(p) / "nicegui/elements/scene/dist" for p in sys.path if (Path(p) / "nicegui/elements/scene/dist/index.js").exists()), None)
 if found is None or chromium() is None or importlib.util.find_spec("OpenEXR") is None:

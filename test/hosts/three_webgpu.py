@@ -19,11 +19,11 @@ import numpy as np
 
 here = Path(__file__).resolve()
 sys.path.insert(0, str(here.parent.parent))
-from chromium import program as chromium  # noqa: E402
-from seen import delta_e, equirectangular  # noqa: E402
-from served import WEBGPU, opened, picture  # noqa: E402
-from surface_drawing import DISTANCE, ELEVATION, FIELD, SIZE, coarse, drawn, on_sphere, run  # noqa: E402
-from verdict import end, expect  # noqa: E402
+from support.chromium import program as chromium  # noqa: E402
+from support.visible_error import delta_e, equirectangular  # noqa: E402
+from support.browser_server import WEBGPU, opened, picture  # noqa: E402
+from support.surface_drawing import DISTANCE, ELEVATION, FIELD, SIZE, coarse, drawn, on_sphere, run  # noqa: E402
+from support.checks import end, expect  # noqa: E402
 
 SWIFTSHADER = ["--use-gl=angle", "--use-angle=swiftshader", "--ignore-gpu-blocklist", "--enable-unsafe-swiftshader"]
 RENDERERS = {"WebGLRenderer": ("three", SWIFTSHADER, ("module", "core"), {"three": "./three.module.js"}),

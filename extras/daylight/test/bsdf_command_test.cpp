@@ -11,16 +11,16 @@ namespace srbf::bsdf_command_test {
 namespace {
 
 /// A shade and a small fit to it, made once and copied into the folder of each test.
-class OfShade : public CommandLine {
+class BsdfCommand : public CommandLine {
   protected:
     static void SetUpTestSuite() {
         shared = std::make_unique<TemporaryFolder>();
-        write(*shared / "shade.xml", small_shade());
-        write(
-            *shared / "p.csv",
+        write_text(*shared / "shade.xml", small_shade());
+        write_text(
+            *shared / "pairs.csv",
             "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0.6,-0.8\n0,0,-1,0,0.6,0.8\n0,0,-1,0,0.6,-0.8\n0,0,1,0,0.6,0.8\n");
-        fitted = run(*shared, {"fit", "shade.xml", "--lobes", "1", "--variates", "2", "--axial", "--threads", "1",
-                               "--json", "r.json"});
+        fitted = run_srbf(*shared, {"fit", "shade.xml", "--lobes", "1", "--variates", "2", "--axial", "--threads", "1",
+                                    "--json", "r.json"});
     }
     static void TearDownTestSuite() { shared.reset(); }
     void SetUp() override { std::filesystem::copy(shared->path, folder.path); }
@@ -29,21 +29,19 @@ class OfShade : public CommandLine {
     inline static ProgramRun fitted;
 };
 
-TEST_F(OfShade, is_fitted_and_evaluated_on_both_sides) {
+TEST_F(BsdfCommand, FitsAndEvaluatesBothSides) {
     ASSERT_EQ(fitted.status, 0) << fitted.err;
-    const Json report = Json::parse(contents(folder / "r.json"));
+    const Json report = Json::parse(read_text(folder / "r.json"));
     EXPECT_EQ(report["model"], "bsdf");
     EXPECT_EQ(report["band"], "Visible");
     ASSERT_EQ(report["parts"].size(), 4u);
     EXPECT_EQ(report["parts"][3]["answered_by"], "transmission_front");
     EXPECT_EQ(report["parts"][2]["hemispherical"].size(), 3u);
-    const auto model = load_brdf(folder / "shade.srbf");
-    ASSERT_TRUE(model.ok()) << message(model.error());
+    const auto model = checked(load_brdf(folder / "shade.srbf"));
     EXPECT_TRUE(is_two_sided(*model));
     EXPECT_EQ(report["payload_bytes"], payload_bytes(std::get<Model>(*model)));
 
-    const ProgramRun values = run(folder, {"eval", "shade.srbf", "--pairs", "p.csv"});
-    ASSERT_EQ(values.status, 0) << values.err;
+    const ProgramRun values = run_ok(folder, {"eval", "shade.srbf", "--pairs", "pairs.csv"});
     std::vector<double> green;
     for (Lines lines(values.out); auto line = lines.next();) {
         std::vector<std::string_view> fields;
@@ -52,25 +50,25 @@ TEST_F(OfShade, is_fitted_and_evaluated_on_both_sides) {
         if (lines.number() > 1) green.push_back(*to_number<double>(fields[7]));
     }
     ASSERT_EQ(green.size(), 4u);
-    EXPECT_PRED3(near, green[0], 0.05, 2e-3);
-    EXPECT_PRED3(near, green[1], 0.05, 2e-3);
-    EXPECT_PRED3(near_relative, green[2], 2 * green[3], 0.1);
+    EXPECT_WITHIN(green[0], 0.05, 2e-3);
+    EXPECT_WITHIN(green[1], 0.05, 2e-3);
+    EXPECT_WITHIN_RELATIVE(green[2], 2 * green[3], 0.1);
 
-    const ProgramRun info = run(folder, {"info", "shade.srbf"}), file_info = run(folder, {"info", "shade.xml"});
-    EXPECT_NE(info.out.find("transmission_back: by reciprocity"), std::string::npos) << info.out;
-    EXPECT_NE(info.out.find("transmission: 0.08002 at 0°"), std::string::npos) << info.out;
-    EXPECT_NE(file_info.out.find("Visible (here), Solar"), std::string::npos) << file_info.out;
+    const ProgramRun info = run_srbf(folder, {"info", "shade.srbf"}),
+                     file_info = run_srbf(folder, {"info", "shade.xml"});
+    EXPECT_CONTAINS(info.out, "transmission_back: by reciprocity");
+    EXPECT_CONTAINS(info.out, "transmission: 0.08002 at 0°");
+    EXPECT_CONTAINS(file_info.out, "Visible (here), Solar");
     const ProgramRun solar =
-        run(folder, {"fit", "shade.xml", "--band", "solar", "--lobes", "1", "--axial", "--json", "-"});
+        run_srbf(folder, {"fit", "shade.xml", "--band", "solar", "--lobes", "1", "--axial", "--json", "-"});
     EXPECT_EQ(Json::parse(solar.out)["band"], "Solar") << solar.err;
     expect_failure(1, {"fit", "shade.xml", "--band", "x"}, "shade.xml: band of wavelengths: expected Visible or Solar");
     expect_failure(1, {"fit", k_paper, "--band", "Solar"}, "expected a measurement in bands");
 }
 
-TEST_F(OfShade, is_compared_converted_and_exported) {
+TEST_F(BsdfCommand, ComparesConvertsAndExports) {
     ASSERT_EQ(fitted.status, 0) << fitted.err;
-    const ProgramRun compared = run(folder, {"compare", "shade.xml", "shade.srbf", "--json", "-"});
-    ASSERT_EQ(compared.status, 0) << compared.err;
+    const ProgramRun compared = run_ok(folder, {"compare", "shade.xml", "shade.srbf", "--json", "-"});
     const Json errors = Json::parse(compared.out);
     for (const std::string_view part : k_part_names)
         EXPECT_LT(errors[std::string(part)]["heldout_squared_error_ratio_cosine"], 0.2) << part;
@@ -79,39 +77,37 @@ TEST_F(OfShade, is_compared_converted_and_exported) {
         expect_failure(1, {"convert", "shade.srbf", "-o", output}, "expected a BSDF without beams");
     for (const char* output : {"o.binary", "o.bsdf"})
         expect_failure(1, {"convert", "shade.srbf", "-o", output}, "expected a BRDF");
-    ASSERT_EQ(run(folder, {"export", "shade.srbf", "--to", "c", "-o", "shade.h"}).status, 0);
-    const std::string code = contents(folder / "shade.h");
-    if (is_offered({"html"})) {
-        ASSERT_EQ(run(folder, {"export", "shade.srbf", "--to", "html", "-o", "shade.html"}).status, 0);
-        EXPECT_NE(contents(folder / "shade.html").find("name='behind'"), std::string::npos);
+    run_ok(folder, {"export", "shade.srbf", "--to", "c", "-o", "shade.h"});
+    const std::string code = read_text(folder / "shade.h");
+    if (is_built({"html"})) {
+        run_ok(folder, {"export", "shade.srbf", "--to", "html", "-o", "shade.html"});
+        EXPECT_CONTAINS(read_text(folder / "shade.html"), "name='behind'");
     }
     expect_failure(1, {"export", "shade.srbf", "--to", "html", "--reference", "shade.xml", "-o", "x.html"},
                    "expected a measurement of a BRDF");
     for (const char* function :
          {"shade_bsdf(", "shade_beam(", "shade_reflection_front_brdf", "shade_transmission_front_brdf"})
-        EXPECT_NE(code.find(function), std::string::npos) << function;
-    EXPECT_EQ(code.find("shade_sample("), std::string::npos);
-    if (!is_offered({"three"})) return;
+        EXPECT_CONTAINS(code, function);
+    EXPECT_LACKS(code, "shade_sample(");
+    if (!is_built({"three"})) return;
     BsdfModel film;  // each part takes seconds
     film.part[std::size_t(Part::transmission_front)] = random_part(1, {.lobes = 1});
     ASSERT_TRUE(save_model({film, {}}, folder / "film.srbf").ok());
-    ASSERT_EQ(run(folder, {"export", "film.srbf", "--to", "three", "-o", "film.js"}).status, 0);
-    EXPECT_NE(contents(folder / "film.js").find("class FilmTransmissionFrontMaterial"), std::string::npos);
+    run_ok(folder, {"export", "film.srbf", "--to", "three", "-o", "film.js"});
+    EXPECT_CONTAINS(read_text(folder / "film.js"), "class FilmTransmissionFrontMaterial");
 }
 
-TEST_F(OfShade, is_fitted_view_by_view_and_by_lambert_and_ggx) {
+TEST_F(BsdfCommand, FitsViewByViewAndByLambertAndGgx) {
     for (const std::string model : {"su", "ggx"}) {
         std::vector<std::string> fit{"fit",           "shade.xml", "--model", model,    "-o",
                                      model + ".srbf", "--threads", "1",       "--json", model + ".json"};
         if (model == "su") fit.insert(fit.end(), {"--directions", "96", "--lobes", "2"});
-        const ProgramRun fit_run = run(folder, fit);
-        ASSERT_EQ(fit_run.status, 0) << fit_run.err;
-        const Json report = Json::parse(contents(folder / (model + ".json")));
+        run_ok(folder, fit);
+        const Json report = Json::parse(read_text(folder / (model + ".json")));
         ASSERT_EQ(report["parts"].size(), 4u);
         for (const Json& part : report["parts"])  // the matrix is piecewise constant
             EXPECT_LT(part["squared_error_ratio"], 0.05) << model << part["part"];
-        const auto loaded = load_brdf(folder / (model + ".srbf"));
-        ASSERT_TRUE(loaded.ok()) << message(loaded.error());
+        const auto loaded = checked(load_brdf(folder / (model + ".srbf")));
         EXPECT_EQ(report["payload_bytes"], payload_bytes(std::get<Model>(*loaded)));
         const auto& part = std::get<BsdfModel>(std::get<Model>(*loaded).model).part[0];
         ASSERT_TRUE(part);
@@ -120,9 +116,8 @@ TEST_F(OfShade, is_fitted_view_by_view_and_by_lambert_and_ggx) {
              {std::vector<std::string>{"export", model + ".srbf", "--to", "c", "-o", model + ".h"},
               {"export", model + ".srbf", "--to", "html", "-o", model + ".html"},
               {"render", model + ".srbf", "--size", "16x12", "--spp", "1", "-o", model + ".png"}}) {
-            if (!is_offered(command)) continue;
-            const ProgramRun command_run = run(folder, command);
-            EXPECT_EQ(command_run.status, 0) << command_run.err;
+            if (!is_built(command)) continue;
+            run_ok(folder, command);
         }
         EXPECT_EQ(std::filesystem::exists(folder / (model + "_reflection_front.data")), model == "su");
     }
@@ -130,38 +125,37 @@ TEST_F(OfShade, is_fitted_view_by_view_and_by_lambert_and_ggx) {
                    "expected a model that is not view by view");
 }
 
-TEST_F(OfShade, is_no_surface_of_one_side) {
+TEST_F(BsdfCommand, RefusesModelsOfOneSide) {
     expect_failure(1, {"fit", "shade.xml", "--model", "openpbr", "-o", "x.srbf"},
                    "shade.xml: model: expected pm, su or ggx, since a surface of OpenPBR scatters light to one side");
     expect_failure(2, {"fit", "shade.xml", "--model", "openpbr", "--channels", "spectral", "-o", "x.srbf"},
                    "--channels");
 }
 
-TEST_F(OfShade, is_fitted_among_many) {
-    write(folder / "other.xml", small_shade());
-    write(folder / "bad.xml", small_shade().substr(0, 2000));
+TEST_F(BsdfCommand, FitsAShadeAmongOtherFiles) {
+    write_text(folder / "other.xml", small_shade());
+    write_text(folder / "bad.xml", small_shade().substr(0, 2000));
     const std::vector<std::string> command{"fit", "shade.xml", "other.xml", "bad.xml", k_paper,
                                            "-o",  "models",    "--lobes",   "1",       "--variates",
                                            "2",   "--axial",   "--threads", "2",       "--resume"};
-    const ProgramRun first = run(folder, command), second = run(folder, command);
+    const ProgramRun first = run_srbf(folder, command), second = run_srbf(folder, command);
     EXPECT_EQ(first.status, 1);
-    EXPECT_NE(first.err.find("bad.xml"), std::string::npos) << first.err;
-    EXPECT_NE(first.out.find("3 fitted"), std::string::npos) << first.out;
-    EXPECT_NE(second.out.find("3 kept"), std::string::npos) << second.out;
+    EXPECT_CONTAINS(first.err, "bad.xml");
+    EXPECT_CONTAINS(first.out, "3 fitted");
+    EXPECT_CONTAINS(second.out, "3 kept");
     // The model is the same as when fitted alone, except for its provenance.
-    const auto alone = load_model(folder / "shade.srbf"), among = load_model(folder / "models/shade.srbf");
-    ASSERT_TRUE(alone.ok() && among.ok());
+    const auto alone = checked(load_model(folder / "shade.srbf")),
+               among = checked(load_model(folder / "models/shade.srbf"));
     EXPECT_EQ(write_model({alone->model, {}}), write_model({among->model, {}}));
-    const Json report = Json::parse(contents(folder / "models/other.json"));
+    const Json report = Json::parse(read_text(folder / "models/other.json"));
     EXPECT_EQ(report["parts"].size(), 4u);
 }
 
-TEST_F(OfShade, lets_light_into_a_room) {
-    if (!is_offered({"render"})) GTEST_SKIP() << "without srbf render";
+TEST_F(BsdfCommand, AShadeLetsLightIntoARoom) {
+    if (!is_built({"render"})) GTEST_SKIP() << "without srbf render";
     ASSERT_EQ(fitted.status, 0) << fitted.err;
-    const ProgramRun drawn = run(folder, {"render", "shade.xml", "shade.srbf", "--scene", "room", "--size", "24x16",
-                                          "--spp", "16", "-o", "room.exr"});
-    ASSERT_EQ(drawn.status, 0) << drawn.err;
+    run_ok(folder, {"render", "shade.xml", "shade.srbf", "--scene", "room", "--size", "24x16", "--spp", "16", "-o",
+                    "room.exr"});
     expect_failure(2, {"render", "shade.xml", "--scene", "garden", "-o", "x.png"}, "--scene");
 }
 

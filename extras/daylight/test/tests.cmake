@@ -1,6 +1,5 @@
 test_program(extras_files -O0 SANITIZED)
 tests(extras_files "unit;input" klems tensor_tree)
-sanitized_filter(tensor_tree -*.MeansOverPatches)
 
 test_program(extras -O1)
 tests(extras fit fit_patches)

@@ -11,19 +11,19 @@
 namespace srbf::environment_code_test {
 namespace {
 
-class EnvironmentCodes : public WrittenCode {};
+class EnvironmentCode : public CodeTest {};
 
 /// The draws are from an environment whose radiance hardly changes over the solid angle of one.
-TEST_F(EnvironmentCodes, DrawsAreOfTheEnvironment) {
+TEST_F(EnvironmentCode, DrawsAreOfTheEnvironment) {
     const Model model{rounded(GgxModel{{0.3f, 0.2f, 0.1f}, {{0.3f, {0.3f, 0.2f, 0.1f}, 1}}}), {}};
     const NamedModel named{"glossy", &model};
     const auto text = [&](CodeLanguage language) {
         return *shading_code(std::span(&named, 1), "glossy", {.language = language, .with = {"environment-draws"}});
     };
-    EXPECT_NE(text(CodeLanguage::wgsl).find("fn glossy_environment_sampled(wv: vec3f, count: i32)"), std::string::npos);
-    EXPECT_EQ(text(CodeLanguage::msl).find("glossy_environment_sampled("), std::string::npos);
-    EXPECT_NE(text(CodeLanguage::msl).find("glossy_environment_draw("), std::string::npos);
-    void* const library = compiled(
+    EXPECT_CONTAINS(text(CodeLanguage::wgsl), "fn glossy_environment_sampled(wv: vec3f, count: i32)");
+    EXPECT_LACKS(text(CodeLanguage::msl), "glossy_environment_sampled(");
+    EXPECT_CONTAINS(text(CodeLanguage::msl), "glossy_environment_draw(");
+    void* const library = compile_and_load(
         SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "draws",
         text(CodeLanguage::c) +
             "static srbf_vec3 glossy_radiance_over(srbf_vec3 direction, float solid_angle) {\n"
@@ -41,7 +41,7 @@ TEST_F(EnvironmentCodes, DrawsAreOfTheEnvironment) {
     for (int i = 0; i < k_views; ++i) {
         const Vec3f wv = to_float(random_direction(random, 0.1));
         const Quadrature points = MirrorMixture(k_pi / 2).quadrature(to_double(wv), 1 << 13);
-        Rgb expected, found, of_many;
+        Rgb expected, found, found_by_many;
         for (std::size_t k = 0; k < points.w.size(); ++k) {
             const Vec3f wl = points.w[k];
             const Rgb f = value(brdf, wl, wv);
@@ -49,13 +49,13 @@ TEST_F(EnvironmentCodes, DrawsAreOfTheEnvironment) {
             expected.r += weight * f.r * (1 + wl.x), expected.g += weight * f.g * (1 + wl.z),
                 expected.b += weight * f.b;
         }
-        answer(&wv.x, 64, &found.r), answer(&wv.x, 4096, &of_many.r);
+        answer(&wv.x, 64, &found.r), answer(&wv.x, 4096, &found_by_many.r);
         for (int c = 0; c < 2; ++c) {
             const double error = double(found[c]) / double(expected[c]) - 1;
             EXPECT_LT(std::abs(error), 0.12) << wv.z;
             squares += elementary::square(error);
         }
-        for (int c = 0; c < 3; ++c) EXPECT_NEAR(of_many[c], expected[c], 0.01f * expected[c]) << wv.z;
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(found_by_many[c], expected[c], 0.01f * expected[c]) << wv.z;
     }
     EXPECT_LT(std::sqrt(squares / (2 * k_views)), 0.03);
 }
@@ -69,25 +69,25 @@ const ExtendedLight& light_of_glossy() {
     return light;
 }
 
-/// Under an environment that a host supplies, whose radiance tells where and how blurred it is asked.
-TEST_F(EnvironmentCodes, EnvironmentsAreThoseOfTheLibrary) {
+/// The code agrees with the library under an environment of the host whose radiance depends on direction and blur.
+TEST_F(EnvironmentCode, EnvironmentsAreThoseOfTheLibrary) {
     const NamedModel named{"glossy", &glossy()};
     const auto text = [&](CodeLanguage language) {
         return *shading_code(std::span(&named, 1), "glossy", {.language = language, .with = {"environment"}});
     };
-    EXPECT_NE(text(CodeLanguage::wgsl).find("fn glossy_environment(wv: vec3f)"), std::string::npos);
+    EXPECT_CONTAINS(text(CodeLanguage::wgsl), "fn glossy_environment(wv: vec3f)");
     const std::string metal = text(CodeLanguage::msl);
-    EXPECT_EQ(metal.find("glossy_environment("), std::string::npos);
-    EXPECT_NE(metal.find("glossy_environment_lobe("), std::string::npos);
+    EXPECT_LACKS(metal, "glossy_environment(");
+    EXPECT_CONTAINS(metal, "glossy_environment_lobe(");
     void* const library =
-        compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "environment",
-                 text(CodeLanguage::c) +
-                     "static srbf_vec3 glossy_radiance(srbf_vec3 direction, float roughness) {\n"
-                     "    return srbf_vec3_of(1.0f + direction.x, 1.0f + direction.z, roughness);\n}\n"
-                     "void answer(const float* v, float* to);\n"
-                     "void answer(const float* v, float* to) {\n"
-                     "    srbf_vec3 wv = {v[0], v[1], v[2]}, f = glossy_environment(wv);\n"
-                     "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n}\n");
+        compile_and_load(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "environment",
+                         text(CodeLanguage::c) +
+                             "static srbf_vec3 glossy_radiance(srbf_vec3 direction, float roughness) {\n"
+                             "    return srbf_vec3_of(1.0f + direction.x, 1.0f + direction.z, roughness);\n}\n"
+                             "void answer(const float* v, float* to);\n"
+                             "void answer(const float* v, float* to) {\n"
+                             "    srbf_vec3 wv = {v[0], v[1], v[2]}, f = glossy_environment(wv);\n"
+                             "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n}\n");
     ASSERT_TRUE(library);
     const auto answer = function<void(const float*, float*)>(library, "answer");
     const ExtendedLight& light = light_of_glossy();
@@ -153,19 +153,19 @@ LobeIntegral lobe_integral(std::span<const ExtendedLight::Lobe> lobes, const Vec
     return integral;
 }
 
-/// The code's area light against its lobes, integrated over the directions of quadrilaterals near and far, some of them
-/// across the horizon; small ones against the BRDF; all directions together are the albedo.
-TEST_F(EnvironmentCodes, AreaLightsAreIntegralsOfTheLobes) {
+/// The code's area lights agree with integrals of lobes over the directions of quadrilaterals near and far, some of
+/// them across the horizon; small ones agree with the BRDF; all directions together give the albedo.
+TEST_F(EnvironmentCode, AreaLightsAreIntegralsOfTheLobes) {
     const Model& model = glossy();
     const NamedModel named{"glossy", &model};
-    void* const library =
-        compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "area",
-                 *shading_code(std::span(&named, 1), "glossy", {.language = CodeLanguage::c, .with = {"area"}}) +
-                     "void answer(const float* v, const float* p, float* to);\n"
-                     "static srbf_vec3 of(const float* p) { return srbf_vec3_of(p[0], p[1], p[2]); }\n"
-                     "void answer(const float* v, const float* p, float* to) {\n"
-                     "    srbf_vec3 f = glossy_area(of(v), of(p), of(p + 3), of(p + 6), of(p + 9));\n"
-                     "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n}\n");
+    void* const library = compile_and_load(
+        SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "area",
+        *shading_code(std::span(&named, 1), "glossy", {.language = CodeLanguage::c, .with = {"area"}}) +
+            "void answer(const float* v, const float* p, float* to);\n"
+            "static srbf_vec3 of(const float* p) { return srbf_vec3_of(p[0], p[1], p[2]); }\n"
+            "void answer(const float* v, const float* p, float* to) {\n"
+            "    srbf_vec3 f = glossy_area(of(v), of(p), of(p + 3), of(p + 6), of(p + 9));\n"
+            "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n}\n");
     ASSERT_TRUE(library);
     const auto called = function<void(const float*, const Vec3f*, float*)>(library, "answer");
     const auto green = [&](const Vec3f& wv, const std::array<Vec3f, 4>& corners) {
@@ -210,11 +210,11 @@ void expect_near_colour(const Rgb& found, const Rgb& expected, float relative, c
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], relative * expected[c] + 1e-30f) << about;
 }
 
-/// The radiance of an even environment is reflected by the albedo, and that of a large quadrilateral near the surface; both
-/// of a mean of coefficients is the mean.
-TEST_F(EnvironmentCodes, LightOfMapsIsLinear) {
+/// The radiance of a uniform environment is reflected by the albedo, and that of a large quadrilateral near the
+/// surface; both of a mean of coefficients is the mean.
+TEST_F(EnvironmentCode, LightOfMapsIsLinear) {
     const TexelMap map = map_of(5, 2);
-    void* const library = compiled(
+    void* const library = compile_and_load(
         SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "light",
         lit_code(map, CodeLanguage::c) +
             "static const float* at;\n"
@@ -251,7 +251,7 @@ TEST_F(EnvironmentCodes, LightOfMapsIsLinear) {
     }
 }
 
-TEST_F(EnvironmentCodes, LightOfMapsCompiles) {
+TEST_F(EnvironmentCode, LightOfMapsCompiles) {
     EXPECT_TRUE(compiles_as_glsl(
         "light.frag",
         "#version 300 es\nprecision highp float;\nuniform highp sampler2DArray layers;\n" +
@@ -270,7 +270,7 @@ std::size_t loops_of(const std::string& text) {
 }
 
 /// Statements in the place of loops, with numbers in the place of tables, compute the same.
-TEST_F(EnvironmentCodes, UnrolledLoopsComputeTheSame) {
+TEST_F(EnvironmentCode, UnrolledLoopsComputeTheSame) {
     std::mt19937_64 random(2);
     PmModel lobes =
         random_model(random, {.log_scale = true, .lobes = 4, .most_bandwidth = 40, .form = PmForm::reciprocal});
@@ -282,16 +282,16 @@ TEST_F(EnvironmentCodes, UnrolledLoopsComputeTheSame) {
     for (const bool unrolled : {false, true}) {
         texts[unrolled] = *environment_code(std::span(&named, 1), "film", {.language = CodeLanguage::c},
                                             {.area = true, .lobes = 3, .fixed = true, .unrolled = unrolled});
-        void* const library =
-            compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror",
-                     unrolled ? "unrolled" : "loops",
-                     texts[unrolled] +
-                         "static srbf_vec3 of(const float* p) { return srbf_vec3_of(p[0], p[1], p[2]); }\n"
-                         "void answer(const float* v, const float* p, float* to);\n"
-                         "void answer(const float* v, const float* p, float* to) {\n"
-                         "    srbf_vec3 f = film_brdf(of(p), of(v));\n    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
-                         "    f = film_area(of(v), of(p), of(p + 3), of(p + 6), of(p + 9));\n"
-                         "    to[3] = f.x, to[4] = f.y, to[5] = f.z;\n}\n");
+        void* const library = compile_and_load(
+            SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror",
+            unrolled ? "unrolled" : "loops",
+            texts[unrolled] +
+                "static srbf_vec3 of(const float* p) { return srbf_vec3_of(p[0], p[1], p[2]); }\n"
+                "void answer(const float* v, const float* p, float* to);\n"
+                "void answer(const float* v, const float* p, float* to) {\n"
+                "    srbf_vec3 f = film_brdf(of(p), of(v));\n    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
+                "    f = film_area(of(v), of(p), of(p + 3), of(p + 6), of(p + 9));\n"
+                "    to[3] = f.x, to[4] = f.y, to[5] = f.z;\n}\n");
         ASSERT_TRUE(library);
         answers[unrolled] = function<void(const Vec3f*, const Vec3f*, Rgb*)>(library, "answer");
     }
@@ -306,7 +306,7 @@ TEST_F(EnvironmentCodes, UnrolledLoopsComputeTheSame) {
     }
 }
 
-TEST_F(EnvironmentCodes, WhatIsNotOfferedIsRefused) {
+TEST_F(EnvironmentCode, UnknownFeaturesAreRefused) {
     const NamedModel named{"glossy", &glossy()};
     for (const char* unknown : {"sampling", "light", ""}) {
         const auto text = shading_code(std::span(&named, 1), "glossy", {.with = {unknown}});

@@ -111,12 +111,12 @@ TEST(ExtendedLight, WhiteAllRoundIsReflectedByTheAlbedo) {
 // Under half a sphere that glows, and under a soft box of 17 degrees about the mirror direction.
 TEST(ExtendedLight, LightsOfAnySizeAreReflected) {
     const PreparedBrdf brdf = prepare(plastic());
-    const ExtendedLight light = extended_light(brdf), of_three = extended_light(brdf, {.levels = MapLevels::three});
+    const ExtendedLight light = extended_light(brdf), three_levels = extended_light(brdf, {.levels = MapLevels::three});
     for (const float cosine : {0.15f, 0.4f, 0.7f, 0.95f}) {
         const Vec3f wv{std::sqrt(1 - cosine * cosine), 0, cosine}, mirror{-wv.x, 0, wv.z};
         const Vec3d away = normalize(Vec3d{-1, 0.4, 0.2});
-        const auto of_half = [&](const Vec3d& w) { return dot(w, away) > 0 ? 1.0 : 0; };
-        const auto of_box = [&](const Vec3d& w) { return dot(w, to_double(mirror)) > std::cos(0.3) ? 1.0 : 0; };
+        const auto half_sphere = [&](const Vec3d& w) { return dot(w, away) > 0 ? 1.0 : 0; };
+        const auto box_light = [&](const Vec3d& w) { return dot(w, to_double(mirror)) > std::cos(0.3) ? 1.0 : 0; };
         const auto reflected = [&](const auto& radiance) {
             return hemisphere_integral([&](const Vec3d& w) {
                 const double l = radiance(w);
@@ -124,11 +124,11 @@ TEST(ExtendedLight, LightsOfAnySizeAreReflected) {
             });
         };
         const double whole = double(albedo(brdf, cosine).g);
-        const double half = reflected(of_half), box = reflected(of_box);
-        EXPECT_NEAR(looked_up(light, wv, of_half), half, 0.05 * whole) << cosine;
-        EXPECT_NEAR(looked_up(light, wv, of_box), box, 0.05 * whole) << cosine;
-        EXPECT_NEAR(looked_up(of_three, wv, of_half, MapLevels::three), half, 0.05 * whole) << cosine;
-        EXPECT_NEAR(looked_up(of_three, wv, of_box, MapLevels::three), box, 0.05 * whole) << cosine;
+        const double half = reflected(half_sphere), box = reflected(box_light);
+        EXPECT_NEAR(looked_up(light, wv, half_sphere), half, 0.05 * whole) << cosine;
+        EXPECT_NEAR(looked_up(light, wv, box_light), box, 0.05 * whole) << cosine;
+        EXPECT_NEAR(looked_up(three_levels, wv, half_sphere, MapLevels::three), half, 0.05 * whole) << cosine;
+        EXPECT_NEAR(looked_up(three_levels, wv, box_light, MapLevels::three), box, 0.05 * whole) << cosine;
     }
 }
 
@@ -154,12 +154,12 @@ TEST(ExtendedLight, SharedLobesReflectAnySum) {
                 lobes[0].weight.g -= weight;
             }
             for (const double width : {0.3, 1.0}) {
-                const auto of_box = [&](const Vec3d& w) {
+                const auto box_light = [&](const Vec3d& w) {
                     return dot(w, to_double(mirror)) > std::cos(width) ? 1.0 : 0;
                 };
                 const double box = hemisphere_integral(
-                    [&](const Vec3d& w) { return of_box(w) * double(value(brdf, to_float(w), wv).g) * w.z; });
-                EXPECT_NEAR(double(whole) * looked_up(lobes, wv, of_box), box, 0.05 * double(whole)) << cosine;
+                    [&](const Vec3d& w) { return box_light(w) * double(value(brdf, to_float(w), wv).g) * w.z; });
+                EXPECT_NEAR(double(whole) * looked_up(lobes, wv, box_light), box, 0.05 * double(whole)) << cosine;
             }
         }
     }

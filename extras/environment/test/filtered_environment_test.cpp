@@ -23,7 +23,7 @@ Environment lamp_and_sky() {
     return Environment(texels);
 }
 
-/// Directions all over the sphere.
+/// Directions that are spread over the sphere.
 std::vector<Vec3d> directions(int count) {
     std::vector<Vec3d> all;
     for (int i = 0; i < count; ++i) {

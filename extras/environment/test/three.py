@@ -131,7 +131,7 @@ blend = chromium.run("""(() => {
         renderer.readRenderTargetPixels(target, 0, 0, size, size, pixels);
         return pixels;
     };
-    const apart = (a, b) => a.reduce((most, x, i) => Math.max(most, Math.abs(x - b[i])), 0) / b.reduce((most, x) => Math.max(most, x), 0);
+    const relative_difference = (a, b) => a.reduce((most, x, i) => Math.max(most, Math.abs(x - b[i])), 0) / b.reduce((most, x) => Math.max(most, x), 0);
     const mixed = (weights, pictures) => pictures[0].map((_, i) => weights.reduce((sum, w, k) => sum + w * pictures[k][i], 0));
     const [film, ggx, lambert] = ['Film', 'Ggx', 'Lambert'].map((name) => new materials[name + 'Material']());
     const single = [film, ggx, lambert].map(picture), found = {};
@@ -141,26 +141,26 @@ blend = chromium.run("""(() => {
         patched(shader, renderer);
         shader.fragmentShader = shader.fragmentShader.replace('#include <opaque_fragment>', 'outgoingLight *= 0.5;\n$&');
     };
-    found.own_function = apart(picture(halved), single[0].map((x, i) => i % 4 < 3 ? 0.5 * x : x));
-    const by_shares = new BlendMaterial(film, ggx, lambert, { shares: [0.2, 0.3, 0.5] });
-    found.shares = apart(picture(by_shares), mixed([0.2, 0.3, 0.5], single));
-    found.vertices = apart(picture(new BlendMaterial(film, ggx, lambert, { vertexMask: true })), mixed([0.25, 0.5, 0.25], single));
+    found.own_function = relative_difference(picture(halved), single[0].map((x, i) => i % 4 < 3 ? 0.5 * x : x));
+    const blended = new BlendMaterial(film, ggx, lambert, { shares: [0.2, 0.3, 0.5] });
+    found.shares = relative_difference(picture(blended), mixed([0.2, 0.3, 0.5], single));
+    found.vertices = relative_difference(picture(new BlendMaterial(film, ggx, lambert, { vertexMask: true })), mixed([0.25, 0.5, 0.25], single));
     const mask = new THREE.DataTexture(new Uint8Array([0, 0, 0, 255, 255, 0, 0, 255]), 2, 1);
     mask.needsUpdate = true, mask.repeat.set(4, 1), mask.wrapS = THREE.RepeatWrapping;
-    const masked = picture(new BlendMaterial(film, lambert, { mask })), of_film = (i) => Math.abs(masked[i] - single[0][i]), of_lambert = (i) => Math.abs(masked[i] - single[2][i]);
-    found.mask = masked.reduce((most, _, i) => Math.max(most, Math.min(of_film(i), of_lambert(i))), 0) / single[0].reduce((most, x) => Math.max(most, x), 0);
-    found.chosen = ['film', 'lambert'].filter((_, k) => masked.some((_, i) => (k ? of_lambert : of_film)(i) < 1e-6 && (k ? of_film : of_lambert)(i) > 0.01)).length;
+    const masked = picture(new BlendMaterial(film, lambert, { mask })), from_film = (i) => Math.abs(masked[i] - single[0][i]), from_lambert = (i) => Math.abs(masked[i] - single[2][i]);
+    found.mask = masked.reduce((most, _, i) => Math.max(most, Math.min(from_film(i), from_lambert(i))), 0) / single[0].reduce((most, x) => Math.max(most, x), 0);
+    found.chosen = ['film', 'lambert'].filter((_, k) => masked.some((_, i) => (k ? from_lambert : from_film)(i) < 1e-6 && (k ? from_film : from_lambert)(i) > 0.01)).length;
     const programs = renderer.info.programs.length;
-    film.color.setRGB(0.5, 1, 0.25), by_shares.shares = [1, 0, 0];
-    found.tint = apart(picture(by_shares), single[0].map((x, i) => x * [0.5, 1, 0.25, 1][i % 4]));
-    found.tint_alone = apart(picture(film), single[0].map((x, i) => x * [0.5, 1, 0.25, 1][i % 4]));
+    film.color.setRGB(0.5, 1, 0.25), blended.shares = [1, 0, 0];
+    found.tint = relative_difference(picture(blended), single[0].map((x, i) => x * [0.5, 1, 0.25, 1][i % 4]));
+    found.tint_alone = relative_difference(picture(film), single[0].map((x, i) => x * [0.5, 1, 0.25, 1][i % 4]));
     // Without saturation a channel is what it is when all channels of the lights are as that one.
     film.color.set('white'), film.saturation = 0;
-    const coloured = picture(by_shares), orange = area.color.clone(), white = single[0].reduce((most, x) => Math.max(most, x), 0);
+    const coloured = picture(blended), orange = area.color.clone(), white = single[0].reduce((most, x) => Math.max(most, x), 0);
     found.grey = [0, 1, 2].reduce((most, c) => {
         area.color.setScalar(orange.toArray()[c]);
         scene.environment = environment(sky.map((_, i) => sky[i - i % 4 + (i % 4 < 3 ? c : 3)]));
-        const grey = picture(by_shares);
+        const grey = picture(blended);
         return coloured.reduce((found, x, i) => i % 4 > 2 ? found : Math.max(found, Math.abs(grey[i] - coloured[i - i % 4 + c])), most);
     }, 0) / white;
     const compiled = renderer.info.programs.length - programs;

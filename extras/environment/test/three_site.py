@@ -6,7 +6,7 @@ import os
 import sys
 import threading
 
-from chromium import WEBGL, Chromium, program
+from support.chromium import WEBGL, Chromium, program
 
 
 class Handler(http.server.SimpleHTTPRequestHandler):

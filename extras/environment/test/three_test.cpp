@@ -56,13 +56,13 @@ double psnr(const std::string& rgba, const Image8& picture, const std::vector<fl
     double squares = 0, count = 0;
     for (std::size_t i = 0; i < picture.pixels.size() && rgba.size() == 4 * picture.pixels.size(); ++i)
         for (std::size_t c = 0; c < 3 && coverage[i] >= 1; ++c, ++count) {
-            const double apart = double(std::uint8_t(rgba[4 * i + c])) - double(picture.pixels[i][c]);
-            squares += apart * apart;
+            const double difference = double(std::uint8_t(rgba[4 * i + c])) - double(picture.pixels[i][c]);
+            squares += difference * difference;
         }
     return count > 0 ? 10 * std::log10(255 * 255 * count / std::max(squares, 1e-3)) : 0;
 }
 
-/// A script has this status and output after it has run on the folder.
+/// Status and output of a script that has run on the folder.
 struct Said {
     int status;
     std::string text;
@@ -72,7 +72,7 @@ Said run_script(const char* name, const TemporaryFolder& folder) {
                                                "'{0}/extras/environment/test/{1}' '{2}' > '{3}' 2>&1",
                                                SRBF_SOURCE_DIR, name, folder.path.string(), (folder / "said").string())
                                        .c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(folder / "said")};
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(folder / "said")};
 }
 
 /// Models of three classes of material, and one that is only in the module.
@@ -89,14 +89,14 @@ std::vector<Model> drawn_models() {
 constexpr std::array<const char*, 3> k_classes{"FilmMaterial", "BrushedXMaterial", "GgxMaterial"},
     k_meshes{"ball", "knot", "sphere"};
 
-/// Scenes for three.js, and what the desktop shows of them where there is something.
+/// Scenes for three.js, with the pictures of the desktop where there are some.
 struct Expected {
     Json scenes;
     std::vector<Image8> pictures;
     std::vector<std::vector<float>> covered;
 };
 
-/// Under directional lights, by the rasterizer.
+/// The picture of the rasterizer under directional lights.
 void add_rasterized(Expected& to, const std::vector<Model>& models, Dialect dialect) {
     for (std::size_t i = 0; i < k_classes.size(); ++i) {
         const Scene scene = scene_of(page_mesh(k_meshes[i]), {}, double(k_width) / k_height);
@@ -126,7 +126,7 @@ void add_rasterized(Expected& to, const std::vector<Model>& models, Dialect dial
     }
 }
 
-TEST(Three, ShowsWhatTheDesktopShows) {
+TEST(Three, DrawsThePictureOfTheDesktop) {
     const fs::path three = shared_data().parent_path() / "peers" / "three";
     if (!fs::exists(three)) GTEST_SKIP() << "no three.js at " << three;
     auto context = OffscreenContext::make();
@@ -136,15 +136,15 @@ TEST(Three, ShowsWhatTheDesktopShows) {
         {"film", &models[0]}, {"brushed_x", &models[1]}, {"ggx", &models[2]}, {"lambert", &models[3]}};
 
     const TemporaryFolder folder;
-    const auto module = three_module(named, "materials"), one = three_module(std::span(named).first(1), "film");
-    ASSERT_TRUE(module && one);
-    write(folder / "materials.js", *module);
-    write(folder / "film.js", *one);
+    const auto module = checked(three_module(named, "materials")),
+               one = checked(three_module(std::span(named).first(1), "film"));
+    write_text(folder / "materials.js", *module);
+    write_text(folder / "film.js", *one);
     for (const char* name : {"three.module.js", "three.core.js"}) fs::copy_file(three / name, folder / name);
     fs::copy_file(fs::path(SRBF_SOURCE_DIR) / "examples" / "three.html", folder / "three.html");
     Expected expected;
     add_rasterized(expected, models, context->dialect());
-    write(folder / "scenes.json", expected.scenes.dump());
+    write_text(folder / "scenes.json", expected.scenes.dump());
 
     const Said said = run_script("three.py", folder);
     if (said.status == 77) GTEST_SKIP() << said.text;
@@ -153,14 +153,14 @@ TEST(Three, ShowsWhatTheDesktopShows) {
     EXPECT_EQ(result["problems"], Json::array());
     EXPECT_GT(result["colours"], 100);
     EXPECT_GE(result["psnr"], 45);
-    for (const auto& [what, apart] : result["blend"]["worst"].items()) {
-        ASSERT_TRUE(apart.is_number()) << what;  // NaN is null
-        EXPECT_LT(apart.get<double>(), 1e-3) << what;
+    for (const auto& [what, difference] : result["blend"]["worst"].items()) {
+        ASSERT_TRUE(difference.is_number()) << what;  // NaN is null
+        EXPECT_LT(difference.get<double>(), 1e-3) << what;
     }
     EXPECT_EQ(result["blend"]["chosen"], 2);  // both materials of a mask are seen
     EXPECT_EQ(result["blend"]["compiled"], 0);
     for (std::size_t i = 0; i < expected.pictures.size(); ++i)
-        EXPECT_GE(psnr(contents(folder / fmt::format("{}.rgba", i)), expected.pictures[i], expected.covered[i]), 45)
+        EXPECT_GE(psnr(read_text(folder / fmt::format("{}.rgba", i)), expected.pictures[i], expected.covered[i]), 45)
             << i;
 }
 
@@ -311,8 +311,8 @@ void expect_filtered(const std::vector<Float4>& pixels, const MapScene& scene, c
     ASSERT_EQ(pixels.size(), std::size_t(scene.size * scene.size));
     // Between two levels renderers take the logarithm only approximately: Mesa 1.389 instead of 1.415.
     Differences found = differences(pixels, scene, filtered, scene.lod);
-    for (double apart = -0.04; apart < 0.04 && scene.lod != std::floor(scene.lod); apart += 0.004)
-        if (const Differences at = differences(pixels, scene, filtered, scene.lod + apart); at.most < found.most)
+    for (double offset = -0.04; offset < 0.04 && scene.lod != std::floor(scene.lod); offset += 0.004)
+        if (const Differences at = differences(pixels, scene, filtered, scene.lod + offset); at.most < found.most)
             found = at;
     EXPECT_GT(found.largest, 0.01);
     EXPECT_LT(found.delta_e, 1);
@@ -322,12 +322,12 @@ void expect_filtered(const std::vector<Float4>& pixels, const MapScene& scene, c
 
 /// The modules and the textures of the maps.
 void write_maps(const TemporaryFolder& folder, const TexelMap& map, const TexelMap& fine, const TexelMap& constant) {
-    write(folder / "map.js", *three_map_module(map, "map", "map.ktx2"));
-    write(folder / "constant.js", *three_map_module(constant, "constant", "constant.ktx2"));
+    write_text(folder / "map.js", *three_map_module(map, "map", "map.ktx2"));
+    write_text(folder / "constant.js", *three_map_module(constant, "constant", "constant.ktx2"));
     const std::string module_of_fine = *three_map_module(fine, "fine", "fine.ktx2");
     for (const std::string name : {"fine", "bytes"}) {  // which differ in their textures
         std::string text = module_of_fine;
-        write(folder / (name + ".js"), text.replace(text.find("fine.ktx2"), 4, name));
+        write_text(folder / (name + ".js"), text.replace(text.find("fine.ktx2"), 4, name));
     }
     for (const auto& [name, texels, numbers] : {std::tuple("map", &map, LayerNumbers::halves),
                                                 {"fine", &fine, LayerNumbers::halves},
@@ -349,12 +349,12 @@ TEST(Three, ShowsAMapAsItsTexels) {
 
     const TemporaryFolder folder;
     for (const char* name : {"three.module.js", "three.core.js"}) fs::copy_file(three / name, folder / name);
-    write(folder / "alone.js", *three_module(std::span(&named, 1), "alone"));
+    write_text(folder / "alone.js", *three_module(std::span(&named, 1), "alone"));
     ASSERT_NO_FATAL_FAILURE(write_maps(folder, map, fine, constant));
     const std::vector<MapScene> scenes = map_scenes();
     Json all;
     for (const MapScene& scene : scenes) all.push_back(scene.json);
-    write(folder / "scenes.json", all.dump());
+    write_text(folder / "scenes.json", all.dump());
     const Said said = run_script("three_map.py", folder);
     if (said.status == 77) GTEST_SKIP() << said.text;
     ASSERT_EQ(said.status, 0) << said.text;
@@ -364,7 +364,7 @@ TEST(Three, ShowsAMapAsItsTexels) {
     EXPECT_EQ(checks["is_loaded"], true);
     EXPECT_EQ(checks["share_a_program"], false);
 
-    const auto drawn = [&](std::size_t i) { return floats(contents(folder / fmt::format("{}.rgba", i))); };
+    const auto drawn = [&](std::size_t i) { return floats(read_text(folder / fmt::format("{}.rgba", i))); };
     for (std::size_t i = 0; i < k_first_constant; ++i) {
         SCOPED_TRACE(i);
         const std::string module_name = scenes[i].json["module"];
@@ -372,12 +372,12 @@ TEST(Three, ShowsAMapAsItsTexels) {
     }
     for (std::size_t i = k_first_constant; i < scenes.size(); i += 2) {
         const auto of_map = drawn(i), single = drawn(i + 1);
-        double sum = 0, apart = 0;
+        double sum = 0, difference = 0;
         for (std::size_t k = 0; k < single.size(); ++k)
             for (std::size_t c = 0; c < 3; ++c)
-                sum += double(single[k][c]), apart += std::abs(double(of_map[k][c]) - double(single[k][c]));
+                sum += double(single[k][c]), difference += std::abs(double(of_map[k][c]) - double(single[k][c]));
         EXPECT_GT(sum, 0);
-        EXPECT_LT(apart, (i == k_first_constant ? 1e-4 : 0.02) * sum)
+        EXPECT_LT(difference, (i == k_first_constant ? 1e-4 : 0.02) * sum)
             << i;  // weights of environments are nearly the same
     }
 }

@@ -23,7 +23,7 @@ PmModel lobes_of_three() {
     return model;
 }
 
-/// Two texels.
+/// A map of two texels.
 TexelMap some_map() {
     TexelMap map;
     map.basis = lobes_of_three();
@@ -50,12 +50,11 @@ std::pair<std::vector<Vec3f>, std::vector<Vec3f>> some_pairs(std::size_t count) 
     return {wl, wv};
 }
 
-TEST(FitMap, WhatIsWrittenIsRead) {
+TEST(FitMap, WrittenMapsAreReadBack) {
     const TexelMap map = some_map();
     const auto bytes = write_map(map);
     EXPECT_TRUE(is_map_file(bytes));
-    const auto read = read_map(bytes, "a");
-    ASSERT_TRUE(read) << message(read.error());
+    const auto read = checked(read_map(bytes, "a"));
     EXPECT_TRUE(*read == map);
     EXPECT_FALSE(read_model(bytes, "a"));
     for (std::size_t size = 0; size < bytes.size(); ++size)
@@ -68,12 +67,11 @@ TEST(FitMap, WhatIsWrittenIsRead) {
 /// Libraries of version 0.1: a dense one is a row of its materials.
 TEST(FitMap, FilesOfLibrariesAreReadOrRefusedInOneLine) {
     const std::filesystem::path corpus = std::filesystem::path(SRBF_SOURCE_DIR) / "fuzz/corpus/map";
-    const auto two = read_map(*read_file((corpus / "two").string()), "two");
-    ASSERT_TRUE(two) << message(two.error());
+    const auto two = checked(read_map(*read_file((corpus / "two").string()), "two"));
     EXPECT_EQ(two->width, two->count());
     const auto sparse = read_map(*read_file((corpus / "sparse").string()), "sparse");
     ASSERT_FALSE(sparse);
-    EXPECT_NE(message(sparse.error()).find("a library of version 0.1"), std::string::npos);
+    EXPECT_CONTAINS(message(sparse.error()), "a library of version 0.1");
 }
 
 TEST(FitMap, TexelsAreFoundByIndexAndPlace) {
@@ -149,7 +147,7 @@ TEST(FitMap, CoefficientsOfTexelsAreBoundedTowardsTheHorizon) {
 }
 
 /// Texels of one value each, with noise of 2 %: shared lobes invent nothing between the samples, and the stored
-/// coefficients have the error that is told.
+/// coefficients have the error that is reported.
 TEST(FitMap, MatteTexelsHaveNoHighlights) {
     std::mt19937_64 random(7);
     std::vector<Vec3f> wl, wv;
@@ -169,8 +167,7 @@ TEST(FitMap, MatteTexelsHaveNoHighlights) {
     const SharedPairs pairs{wl, wv, true};
     MapOptions options;
     options.lobes = 8, options.threads = 1;
-    auto map = fit_map(pairs, f, options);
-    ASSERT_TRUE(map) << message(map.error());
+    auto map = checked(fit_map(pairs, f, options));
     const TexelCoefficients found = coefficients_of_texels(*map, pairs, f, 1);
     map->coefficient = found.coefficient, map->error = found.error;
     for (const Rgb& colour : found.coefficient)
@@ -185,7 +182,7 @@ TEST(FitMap, MatteTexelsHaveNoHighlights) {
         std::vector<Rgb> g(l.size());
         evaluate(texel(*map, t), l, v, g);
         for (std::size_t i = 0; i < g.size(); ++i)
-            for (int c = 0; c < 3; ++c) EXPECT_PRED3(near_relative, g[i][c], colours[t][c], 0.15) << t << ' ' << i;
+            for (int c = 0; c < 3; ++c) EXPECT_WITHIN_RELATIVE(g[i][c], colours[t][c], 0.15) << t << ' ' << i;
     }
 }
 
@@ -211,11 +208,9 @@ TEST(FitMap, SharedLobesAreFound) {
     }
     MapOptions options;
     options.form = PmForm::horizon, options.lobes = 4, options.variates = 2, options.threads = 1;
-    const auto one = fit_map(materials, options);
-    ASSERT_TRUE(one) << message(one.error());
+    const auto one = checked(fit_map(materials, options));
     options.threads = 2;
-    const auto two = fit_map(materials, options);
-    ASSERT_TRUE(two);
+    const auto two = checked(fit_map(materials, options));
     EXPECT_TRUE(*one == *two);
     for (const float error : one->error) EXPECT_LT(error, 2.f);  // mean ΔE_ITP
     EXPECT_EQ(fit_map(std::span<const Measured>(), options).error().code, ErrorCode::argument);

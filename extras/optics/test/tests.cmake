@@ -1,4 +1,3 @@
 test_program(extras_files -O0 SANITIZED)
 tests(extras_files "unit;input" scatter)
-sanitized_filter(scatter -*.WriteReadIdentity)
 target_link_libraries(extras_files_tests PRIVATE srbf::optics)

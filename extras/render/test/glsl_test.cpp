@@ -7,7 +7,7 @@
 namespace srbf::glsl_test {
 namespace {
 
-class Glsl : public WrittenCode {
+class Glsl : public CodeTest {
   protected:
     testing::AssertionResult compiles(const std::string& shader, const std::string& stage = "frag") const {
         return compiles_as_glsl("shader." + stage, shader);

@@ -26,19 +26,19 @@ Image8 noisy(const Image8& image, int by) {
     return other;
 }
 
-TEST(Likeness, OfAPictureWithItself) {
+TEST(Likeness, APictureEqualsItself) {
     const Likeness same = likeness(pattern(), pattern());
     EXPECT_TRUE(std::isinf(same.psnr) && same.psnr > 0);
-    EXPECT_TRUE(near(same.ssim, 1, 1e-12));
-    EXPECT_TRUE(near(same.flip, 0, 1e-12));
+    EXPECT_WITHIN(same.ssim, 1, 1e-12);
+    EXPECT_WITHIN(same.flip, 0, 1e-12);
 }
 
 TEST(Likeness, IsSymmetricAndWithinItsRange) {
     const Image8 a = pattern(), b = noisy(a, 60);
     const Likeness there = likeness(a, b), back = likeness(b, a);
-    EXPECT_TRUE(near(there.psnr, back.psnr, 1e-12));
-    EXPECT_TRUE(near(there.ssim, back.ssim, 1e-12));
-    EXPECT_TRUE(near(there.flip, back.flip, 1e-12));
+    EXPECT_WITHIN(there.psnr, back.psnr, 1e-12);
+    EXPECT_WITHIN(there.ssim, back.ssim, 1e-12);
+    EXPECT_WITHIN(there.flip, back.flip, 1e-12);
     for (const double x : flip_map(a, b)) EXPECT_TRUE(x >= 0 && x <= 1);
     for (const double x : ssim_map(a, b)) EXPECT_TRUE(x >= -1 && x <= 1);
 }
@@ -54,14 +54,14 @@ TEST(Likeness, FallsWithNoise) {
     }
 }
 
-TEST(Likeness, PsnrAndSsimOfPlainPictures) {
+TEST(Likeness, PsnrAndSsimOfUniformPicturesMatchTheClosedForms) {
     const Likeness found = likeness(plain({51, 51, 51}), plain({102, 102, 102}));
-    EXPECT_TRUE(near(found.psnr, -20 * std::log10(0.2), 1e-9));
-    EXPECT_TRUE(near(found.ssim, (2 * 0.2 * 0.4 + 1e-4) / (0.04 + 0.16 + 1e-4), 1e-9));
+    EXPECT_WITHIN(found.psnr, -20 * std::log10(0.2), 1e-9);
+    EXPECT_WITHIN(found.ssim, (2 * 0.2 * 0.4 + 1e-4) / (0.04 + 0.16 + 1e-4), 1e-9);
     // One channel of three in one pixel.
     Image8 other = plain({51, 51, 51});
     other.at(3, 4)[1] = 102;
-    EXPECT_TRUE(near(likeness(plain({51, 51, 51}), other).psnr, -10 * std::log10(0.04 / (3 * 24 * 20)), 1e-9));
+    EXPECT_WITHIN(likeness(plain({51, 51, 51}), other).psnr, -10 * std::log10(0.04 / (3 * 24 * 20)), 1e-9);
 }
 
 TEST(Likeness, FalseColoursGrowLighter) {

@@ -11,14 +11,15 @@
 namespace srbf::map_exr_test {
 namespace {
 
+using MapExr = CommandLine;
+
 constexpr std::size_t k_width = 8, k_height = 4;
 
-TEST_F(CommandLine, maps_are_written_as_open_exr) {
+TEST_F(MapExr, MapsAreWrittenAsOpenExr) {
     std::mt19937_64 random(1);
     const TexelMap map = random_map(random, {true, true, 5, 3, 60, PmForm::extended}, k_width, k_height);
-    write(folder / "map.srbf", text_of(write_map(map)));
-    const ProgramRun made = run(folder, {"export", "map.srbf", "--to", "exr", "-o", "map.exr"});
-    ASSERT_EQ(made.status, 0) << made.err;
+    write_text(folder / "map.srbf", as_text(write_map(map)));
+    run_ok(folder, {"export", "map.srbf", "--to", "exr", "-o", "map.exr"});
     Imf::InputFile file((folder / "map.exr").c_str(), 1);
     std::size_t channels = 0;
     for (auto layer = file.header().channels().begin(); layer != file.header().channels().end(); ++layer, ++channels)

@@ -7,7 +7,7 @@ import os
 import sys
 import time
 
-from chromium import LIMIT, WEBGL, Chromium, program
+from support.chromium import LIMIT, WEBGL, Chromium, program
 
 page, folder = sys.argv[1:3]
 

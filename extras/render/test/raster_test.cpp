@@ -29,29 +29,29 @@ constexpr int k_width = 160, k_height = 120;
 
 /// f_r as the texts that the shader is made of have it, on the CPU.
 Rgb rgb(Vec3f f) { return {f.x, f.y, f.z}; }
-Rgb by_text(const GgxModel& model, Vec3f wl, Vec3f wv) { return value(model, wl, wv); }
-Rgb by_text(const OpenPbrModel& model, Vec3f wl, Vec3f wv) { return value(model, wl, wv); }
-Rgb by_text(const PmModel& model, Vec3f wl, Vec3f wv) { return rgb(Kernel<float>::pm_value(model, wl, wv)); }
-Rgb by_text(const SuModel& model, Vec3f wl, Vec3f wv) {
-    const bool by_view = model.discretise == Discretise::view;
-    const Vec3f of_lobes = by_view ? wl : wv, sampled = by_view ? wv : wl;
+Rgb text_value(const GgxModel& model, Vec3f wl, Vec3f wv) { return value(model, wl, wv); }
+Rgb text_value(const OpenPbrModel& model, Vec3f wl, Vec3f wv) { return value(model, wl, wv); }
+Rgb text_value(const PmModel& model, Vec3f wl, Vec3f wv) { return rgb(Kernel<float>::pm_value(model, wl, wv)); }
+Rgb text_value(const SuModel& model, Vec3f wl, Vec3f wv) {
+    const bool views_are_sampled = model.discretise == Discretise::view;
+    const Vec3f lobe_direction = views_are_sampled ? wl : wv, sampled = views_are_sampled ? wv : wl;
     if (model.interpolation == SuInterpolation::rotated)
-        return rgb(Kernel<float>::su_rotated_value(model, of_lobes, sampled));
+        return rgb(Kernel<float>::su_rotated_value(model, lobe_direction, sampled));
     const IndexTexture& index = *model.index;
     const NearestViews& nearest = index.texels[texel_of(index.map, index.size, sampled)];
-    return rgb(Kernel<float>::su_plain_value(model, nearest, of_lobes, sampled, model.neighbours));
+    return rgb(Kernel<float>::su_plain_value(model, nearest, lobe_direction, sampled, model.neighbours));
 }
-Rgb by_text(const MerlTable& table, Vec3f wl, Vec3f wv) { return value(table, wl, wv); }
-Rgb by_text(const BsdfModel& model, Vec3f wl, Vec3f wv) { return value(model, wl, wv); }
-Rgb by_text(const BsdfTables& tables, Vec3f wl, Vec3f wv) { return value(tables.part, wl, wv); }
-Rgb by_text(const Flat&, Vec3f, Vec3f) { return {Flat::k_value, Flat::k_value, Flat::k_value}; }
+Rgb text_value(const MerlTable& table, Vec3f wl, Vec3f wv) { return value(table, wl, wv); }
+Rgb text_value(const BsdfModel& model, Vec3f wl, Vec3f wv) { return value(model, wl, wv); }
+Rgb text_value(const BsdfTables& tables, Vec3f wl, Vec3f wv) { return value(tables.part, wl, wv); }
+Rgb text_value(const Flat&, Vec3f, Vec3f) { return {Flat::k_value, Flat::k_value, Flat::k_value}; }
 
 /// The scene's positions and normals, a pixel each, as the library interpolates them.
 struct Pixels {
     std::vector<Float4> positions, normals;
 };
 
-class Raster : public InEachDialect {
+class Raster : public OpenGLTest {
   protected:
     static RasterView view_of(const Scene& scene, float exposure = 1) {
         return {scene.camera, double(k_width) / k_height, scene.lights, exposure};
@@ -64,7 +64,7 @@ class Raster : public InEachDialect {
         return {surface->read_positions(), surface->read_normals()};
     }
 
-    /// In one pass, or in two.
+    /// The picture drawn in one pass, or in two.
     Image8 shown(const Scene& scene, const Material& material, float exposure, PixelInput input) {
         constexpr auto bytes = RasterTarget::Format::bytes;
         const RasterMesh mesh(scene.mesh);
@@ -100,7 +100,7 @@ class Raster : public InEachDialect {
             for (const DirectionalLight& light : scene.lights) {
                 const Vec3f wl = Text::to_surface(frame, to_float(light.towards));
                 if (!(wl.z > 0)) continue;
-                const Rgb f = by_text(brdf, wl, wv);
+                const Rgb f = text_value(brdf, wl, wv);
                 for (int c = 0; c < 3; ++c) sum[c] += wl.z * f[c] * light.irradiance[c];
             }
         }
@@ -120,8 +120,8 @@ class Raster : public InEachDialect {
             if (surface.positions[i][3] == 0) continue;
             const Rgb8 pixel = to_srgb8(expected.pixels[i], exposure);
             for (std::size_t c = 0; c < 3; ++c, ++count) {
-                const double apart = double(pixel[c]) - double(picture.pixels[i][c]);
-                squares += apart * apart;
+                const double difference = double(pixel[c]) - double(picture.pixels[i][c]);
+                squares += difference * difference;
             }
         }
         EXPECT_GT(count, 0.1 * k_width * k_height);
@@ -228,7 +228,7 @@ TEST_P(Raster, MeasurementsLookAsOnTheCpu) {
     MerlTable table = to_merl(evaluator(film()));
     EXPECT_GE(psnr(table, sphere_scene()), 45);
     EXPECT_GE(psnr(table, knot_scene()), 45);
-    // What was not measured shows as such, not as what is beside it.
+    // Points that were not measured do not take the colour of their neighbours.
     for (std::size_t i = 0; i < table.cells.size(); ++i)
         if (i / 180 % 90 > 20) table.cells[i].r = table.cells[i].g = table.cells[i].b = std::nanf("");
     EXPECT_GE(psnr(table, sphere_scene()), 30);
@@ -264,26 +264,27 @@ TEST_P(Raster, TheInsideOfAnOpenSurfaceIsSeenWithItsNormalTurned) {
         if (covered == 0) continue;
         ++seen;
         const auto& n = inside.normals[i];
-        ASSERT_TRUE(near(n[0], -x, 1e-5) && near(n[1], -y, 1e-5) && near(n[2], -z, 1e-5));
+        ASSERT_WITHIN(n[0], -x, 1e-5);
+        ASSERT_WITHIN(n[1], -y, 1e-5);
+        ASSERT_WITHIN(n[2], -z, 1e-5);
     }
     EXPECT_GT(seen, 0.3 * k_height * k_height);
-    const auto surface = RasterSurface::make(GetParam(), k_width, k_height);
-    ASSERT_TRUE(surface);
+    const auto surface = checked(RasterSurface::make(GetParam(), k_width, k_height));
     RasterView view = view_of(scene);
     view.back_faces = false;
     surface->draw(RasterMesh(scene.mesh), view);
     EXPECT_EQ(std::ranges::count_if(surface->read_positions(), [](const Float4& p) { return p[3] > 0; }), 0);
 }
 
-TEST_P(Raster, WhatIsTooLargeIsRefused) {
+TEST_P(Raster, TooLargePicturesAreRefused) {
     std::mt19937_64 random(4);
     const auto model = random_model(random, {.axial = false, .lobes = k_most_lobes, .variates = k_most_variates});
     const auto material = RasterMaterial::make(model, {.dialect = GetParam()});
     ASSERT_FALSE(material);
-    EXPECT_NE(message(material.error()).find("uniform buffer: expected at most"), std::string::npos);
+    EXPECT_CONTAINS(message(material.error()), "uniform buffer: expected at most");
     const auto target = RasterTarget::make(1 << 20, 1, 1, RasterTarget::Format::bytes);
     ASSERT_FALSE(target);
-    EXPECT_NE(message(target.error()).find("1048576 x 1"), std::string::npos);
+    EXPECT_CONTAINS(message(target.error()), "1048576 x 1");
     EXPECT_FALSE(RasterSurface::make(GetParam(), 1, 1 << 20));
 }
 
@@ -292,22 +293,21 @@ TEST(Render, WritesAPictureOfEachFileSideBySide) {
     const TemporaryFolder folder;
     ASSERT_TRUE(save_model({film_pm(), {}}, folder / "pm.srbf").ok());
     ASSERT_TRUE(save_model({film_su(), {}}, folder / "su.srbf").ok());
-    const ProgramRun made = run(folder, {"render", bundled_data() / "cc_ibiza_sunset_rgb.bsdf", "su.srbf", "pm.srbf",
-                                         "--renderer", "raster", "--mesh", "knot", "--size", "160x120", "-o", "x.png"});
-    EXPECT_EQ(made.status, 0) << made.err;
+    const ProgramRun made =
+        run_ok(folder, {"render", bundled_data() / "cc_ibiza_sunset_rgb.bsdf", "su.srbf", "pm.srbf", "--renderer",
+                        "raster", "--mesh", "knot", "--size", "160x120", "-o", "x.png"});
     EXPECT_EQ(made.err, "");
-    const std::string png = contents(folder / "x.png");
+    const std::string png = read_text(folder / "x.png");
     ASSERT_TRUE(png.starts_with("\x89PNG\r\n\x1a\n"));
     const auto number = [&](std::size_t at) { return 256 * std::uint8_t(png[at + 2]) + std::uint8_t(png[at + 3]); };
     EXPECT_EQ(number(16), 3 * 160);
     EXPECT_EQ(number(20), 120 + 20);  // with a strip of captions
     // A measurement that is not isotropic has no table.
-    write(folder / "a.csv",
-          "# anisotropic\nwl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n0.6,0,0.8,0,0,1,1\n");
-    const ProgramRun refused = run(folder, {"render", "a.csv", "--renderer", "raster", "-o", "a.png"});
+    write_text(folder / "a.csv",
+               "# anisotropic\nwl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n0.6,0,0.8,0,0,1,1\n");
+    const ProgramRun refused = run_srbf(folder, {"render", "a.csv", "--renderer", "raster", "-o", "a.png"});
     EXPECT_EQ(refused.status, 1);
-    EXPECT_NE(refused.err.find("expected an isotropic one, found an anisotropic one"), std::string::npos)
-        << refused.err;
+    EXPECT_CONTAINS(refused.err, "expected an isotropic one, found an anisotropic one");
 }
 
 constexpr int k_traced = 96;  // pixels across of pictures of paths
@@ -339,8 +339,8 @@ double psnr_to(const Rendering& expected, const Scene& scene, const Material& ma
 
 TEST(Rasterize, BothSidesAreLitFromBothSides) {
     if (const auto context = OffscreenContext::make(); !context) GTEST_SKIP() << message(context.error());
-    const Model ggx{rough_bsdf(), {}};
-    BsdfModel lobes = full_bsdf(5);
+    const Model ggx{ggx_bsdf(), {}};
+    BsdfModel lobes = lobe_bsdf_with_beams(5);
     lobes.part[1].reset(), lobes.part[3].reset();
     BsdfTables tables;
     const Evaluate values = evaluator(ggx);
@@ -355,12 +355,12 @@ TEST(Rasterize, BothSidesAreLitFromBothSides) {
     for (Scene* scene : {&outside, &inside})
         for (const bool behind : {false, true}) {
             if (behind) scene->lights = {light_behind(scene->camera)};
-            const Rendering of_ggx = traced(*scene, by_ggx), of_lobes = traced(*scene, by_lobes);
-            EXPECT_GE(psnr_to(of_ggx, *scene, rough_bsdf()), 42) << behind;
-            EXPECT_GE(psnr_to(of_lobes, *scene, lobes), 40) << behind;
-            EXPECT_GE(psnr_to(of_ggx, *scene, tables), 40) << behind;
+            const Rendering ggx_picture = traced(*scene, by_ggx), lobes_picture = traced(*scene, by_lobes);
+            EXPECT_GE(psnr_to(ggx_picture, *scene, ggx_bsdf()), 42) << behind;
+            EXPECT_GE(psnr_to(lobes_picture, *scene, lobes), 40) << behind;
+            EXPECT_GE(psnr_to(ggx_picture, *scene, tables), 40) << behind;
             // Another model is told apart.
-            EXPECT_LT(psnr_to(of_ggx, *scene, lobes), 30) << behind;
+            EXPECT_LT(psnr_to(ggx_picture, *scene, lobes), 30) << behind;
         }
 }
 
@@ -371,8 +371,7 @@ Image rendered(const TemporaryFolder& folder, std::vector<std::string> arguments
     arguments.push_back(renderer);
     if (renderer == std::string("path"))
         arguments.insert(arguments.end(), {"--no-ground", "--no-occlusion", "--env", "none", "--spp", "16"});
-    const ProgramRun made = run(folder, arguments);
-    EXPECT_EQ(made.status, 0) << made.err;
+    run_ok(folder, arguments);
     const auto bytes = read_file(folder / "x.exr");
     return bytes ? *read_exr(*bytes, "x.exr") : Image(64, 64);
 }
@@ -380,8 +379,8 @@ Image rendered(const TemporaryFolder& folder, std::vector<std::string> arguments
 TEST(Render, DrawsALightBehind) {
     if (const auto context = OffscreenContext::make(); !context) GTEST_SKIP() << message(context.error());
     const TemporaryFolder folder;
-    ASSERT_TRUE(save_model({rough_bsdf(), {}}, folder / "both.srbf").ok());
-    ASSERT_TRUE(save_model(*rough_bsdf().part[0], folder / "front.srbf").ok());
+    ASSERT_TRUE(save_model({ggx_bsdf(), {}}, folder / "both.srbf").ok());
+    ASSERT_TRUE(save_model(*ggx_bsdf().part[0], folder / "front.srbf").ok());
     const auto render = [&](const char* file, const char* renderer) {
         return rendered(folder, {file, "--lights", "behind", "--mesh", "sphere"}, renderer);
     };
@@ -389,7 +388,7 @@ TEST(Render, DrawsALightBehind) {
                 opaque = render("front.srbf", "raster");
     // The middle of the picture faces away from the light.
     EXPECT_GT(by_raster.at(32, 32).g, 0.01f);
-    EXPECT_PRED3(near_relative, by_raster.at(32, 32).g, by_paths.at(32, 32).g, 0.02);
+    EXPECT_WITHIN_RELATIVE(by_raster.at(32, 32).g, by_paths.at(32, 32).g, 0.02);
     EXPECT_EQ(opaque.at(32, 32), Rgb{});
 }
 
@@ -400,7 +399,7 @@ TEST(Rasterize, GivesRadianceAndCoverage) {
     double covered = 0;
     for (const float share : (*drawn)[0].coverage) covered += double(share);
     // The sphere fills the picture but for the margin, seen in perspective as a disc.
-    EXPECT_TRUE(near_relative(covered, k_pi * std::pow((1 - k_margin) * k_height / 2, 2), 0.02));
+    EXPECT_WITHIN_RELATIVE(covered, k_pi * std::pow((1 - k_margin) * k_height / 2, 2), 0.02);
     EXPECT_EQ((*drawn)[0].coverage, (*drawn)[1].coverage);
     // The radiance is f E where the key light falls along the normal.
     float most = 0;

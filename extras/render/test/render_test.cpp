@@ -17,16 +17,16 @@ constexpr Rgb8 k_black{0, 0, 0}, k_white{255, 255, 255};
 
 TEST(SrgbEncoded, IsTheStandardsFunctionAndMonotone) {
     EXPECT_EQ(srgb_encoded(0), 0);
-    EXPECT_TRUE(near(srgb_encoded(1), 1, 1e-6));
-    EXPECT_TRUE(near(srgb_encoded(0.5), 0.7353570, 1e-6));
-    EXPECT_TRUE(near(srgb_encoded(0.2140411), 0.5, 1e-6));
-    EXPECT_TRUE(near(srgb_encoded(0.0031308), 0.04045, 1e-5));
+    EXPECT_WITHIN(srgb_encoded(1), 1, 1e-6);
+    EXPECT_WITHIN(srgb_encoded(0.5), 0.7353570, 1e-6);
+    EXPECT_WITHIN(srgb_encoded(0.2140411), 0.5, 1e-6);
+    EXPECT_WITHIN(srgb_encoded(0.0031308), 0.04045, 1e-5);
     for (int i = 0; i < 20000; ++i) EXPECT_LE(srgb_encoded(i / 20000.0), srgb_encoded((i + 1) / 20000.0));
 }
 
 TEST(ToneMap, IsMonotoneOnGreysWithoutAKinkAndStaysBelowOne) {
     EXPECT_EQ(tone_map({}, 3), Rgb{});
-    EXPECT_TRUE(near(tone_map({1, 1, 1}, 1).g, 0.88, 1e-6));
+    EXPECT_WITHIN(tone_map({1, 1, 1}, 1).g, 0.88, 1e-6);
     float last = 0;
     for (double x = 1e-4; x < 1e9; x *= 1.01) {
         const Rgb shown = tone_map({float(x), float(x), float(x)}, 1);
@@ -35,7 +35,7 @@ TEST(ToneMap, IsMonotoneOnGreysWithoutAKinkAndStaysBelowOne) {
     }
     const auto grey = [](double x) { return double(tone_map({float(x), float(x), float(x)}, 1).r); };
     constexpr double step = 1.0 / 1024;
-    EXPECT_TRUE(near((grey(k_knee + step) - grey(k_knee)) / step, 1, 0.01));
+    EXPECT_WITHIN((grey(k_knee + step) - grey(k_knee)) / step, 1, 0.01);
 }
 
 TEST(ToneMap, KeepsTheOrderOfTheChannelsAndWhitens) {
@@ -77,17 +77,17 @@ TEST(AutomaticExposure, TakesTheQuantileOfLitPixelsToTheKnee) {
     std::vector<float> values;
     for (int i = 1; i <= 101; ++i) values.push_back(float(i));
     const double expected = double(k_knee) / (1 + 100 * k_exposed_quantile);
-    EXPECT_TRUE(near_relative(automatic_exposure(greys(values)), expected, 1e-6));
+    EXPECT_WITHIN_RELATIVE(automatic_exposure(greys(values)), expected, 1e-6);
 
     std::mt19937_64 random(2);
     std::shuffle(values.begin(), values.end(), random);
     for (const float unlit : {0.0f, -1.0f, k_nan, k_infinity}) values.push_back(unlit);
-    EXPECT_TRUE(near_relative(automatic_exposure(greys(values)), expected, 1e-6));
+    EXPECT_WITHIN_RELATIVE(automatic_exposure(greys(values)), expected, 1e-6);
     for (float& v : values) v *= v == 101 ? 1e6f : 8;  // a highlight counts by its size alone
     Image image = greys(values);
-    EXPECT_TRUE(near_relative(automatic_exposure(image), expected / 8, 1e-6));
+    EXPECT_WITHIN_RELATIVE(automatic_exposure(image), expected / 8, 1e-6);
     for (std::size_t i = 0; i < values.size(); ++i) image.pixels[i][int(i % 3)] *= 0.5f;  // the largest channel counts
-    EXPECT_TRUE(near_relative(automatic_exposure(image), expected / 8, 1e-6));
+    EXPECT_WITHIN_RELATIVE(automatic_exposure(image), expected / 8, 1e-6);
     const float exposure = automatic_exposure(image);
     int as_they_are = 0;
     for (Rgb x : image.pixels) {
@@ -107,12 +107,12 @@ TEST(AutomaticExposure, IsOneInTheDarkAndFiniteAlways) {
 }
 
 TEST(PreviewLights, AreUnitVectorsThatLightTheWholeVisibleHalf) {
-    for (const auto& light : k_three_lights) EXPECT_TRUE(near(dot(light.towards, light.towards), 1, 1e-15));
+    for (const auto& light : k_three_lights) EXPECT_WITHIN(dot(light.towards, light.towards), 1, 1e-15);
     const auto& [key, rim, fill] = k_three_lights;
     EXPECT_TRUE(key.towards.x < 0 && key.towards.y > 0 && key.towards.z > 0);
     EXPECT_TRUE(rim.towards.x > 0 && rim.towards.z < 0);
-    EXPECT_TRUE(near(std::acos(key.towards.z) / k_degree, 50, 0.5));
-    EXPECT_TRUE(near(std::acos(rim.towards.z) / k_degree, 115, 0.5));
+    EXPECT_WITHIN(std::acos(key.towards.z) / k_degree, 50, 0.5);
+    EXPECT_WITHIN(std::acos(rim.towards.z) / k_degree, 115, 0.5);
     EXPECT_LT(fill.irradiance.g, key.irradiance.g);
 }
 

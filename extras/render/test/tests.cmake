@@ -20,11 +20,10 @@ tests(paths "program;input" path)
 tests(paths program map_exr)
 target_compile_definitions(paths_tests PRIVATE ${compilers})
 target_link_libraries(paths_tests PRIVATE PkgConfig::OpenEXR)
-sanitized_filter(path PathCommand.Texels*:PathCommand.PicturesAreWritten:Path.Rays*:Path.WhatWas*:Path.FirstHits*)
 
 test_program(extras_program -O0)
 tests(extras_program "program;fit" page)
-browser_test(page_in_browser extras_program page Page.DrawsInABrowserWhatTheDesktopDraws)
+browser_test(page_in_browser extras_program page Page.ABrowserDrawsThePictureOfTheDesktop)
 if(EPOXY_LIBRARY)
   tests(extras_program program raster)
   set_property(TEST raster PROPERTY ENVIRONMENT LP_NUM_THREADS=1)  # Mesa draws on the processor

@@ -6,7 +6,7 @@ Exit status 77: Chromium is not installed."""
 import json
 import sys
 
-from chromium import Chromium, program
+from support.chromium import Chromium, program
 
 if not program():
     print("no Chromium (Debian: chromium)")

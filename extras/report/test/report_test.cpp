@@ -17,18 +17,18 @@ using Files = std::map<fs::path, std::string>;
 /// Writes two small materials, whose names have no digits, and a file that is not a measurement.
 void write_materials(const TemporaryFolder& folder) {
     for (const double gloss : {1.0, 9.0})
-        write(folder / (gloss == 1 ? "nickel.binary" : "krylon_blue.binary"),
-              text_of(merl_file({9, 6, 8}, [&](int h, int d, int, int c) {
-                  return 0.1 + gloss * std::exp(-h * gloss) * (1 + c) + 0.01 * d;
-              })));
-    write(folder / "broken.binary", "no measurement");
+        write_text(folder / (gloss == 1 ? "nickel.binary" : "krylon_blue.binary"),
+                   as_text(merl_file({9, 6, 8}, [&](int h, int d, int, int c) {
+                       return 0.1 + gloss * std::exp(-h * gloss) * (1 + c) + 0.01 * d;
+                   })));
+    write_text(folder / "broken.binary", "no measurement");
 }
 
 /// All files of a report, by their relative path.
 Files files_of(const fs::path& report) {
     Files files;
     for (const auto& entry : fs::recursive_directory_iterator(report))
-        if (entry.is_regular_file()) files[fs::relative(entry.path(), report)] = contents(entry.path());
+        if (entry.is_regular_file()) files[fs::relative(entry.path(), report)] = read_text(entry.path());
     return files;
 }
 /// Results that depend on time, in the folder of a material.
@@ -49,9 +49,9 @@ class Report : public testing::Test {
     static void SetUpTestSuite() {
         folder = std::make_unique<TemporaryFolder>();
         write_materials(*folder);
-        first = run(*folder, arguments("whole"));
+        first = run_srbf(*folder, arguments("whole"));
         const fs::path whole = folder->path / "whole";
-        html = contents(whole / "index.html");
+        html = read_text(whole / "index.html");
         pages = {whole / "index.html", page_of("nickel"), page_of("krylon_blue")};
     }
     /// The page of the material with this name.
@@ -76,23 +76,22 @@ TEST_F(Report, OneMaterialThatFailsDoesNotStopTheOthers) {
     EXPECT_EQ(first.status, 1);
     EXPECT_TRUE(first.err.starts_with("srbf: broken.binary: ")) << first.err;
     EXPECT_EQ(first.err.find('\n'), first.err.size() - 1) << first.err;
-    for (const char* name : {"nickel", "krylon_blue"})
-        EXPECT_NE(html.find(fmt::format("'>{}</a>", name)), html.npos) << name;
-    EXPECT_NE(html.find("<b>broken</b>: broken.binary: "), html.npos);
-    EXPECT_NE(contents(*folder / "whole" / "materials.csv").find("broken,,broken.binary"), html.npos);
+    for (const char* name : {"nickel", "krylon_blue"}) EXPECT_CONTAINS(html, fmt::format("'>{}</a>", name));
+    EXPECT_CONTAINS(html, "<b>broken</b>: broken.binary: ");
+    EXPECT_CONTAINS(read_text(*folder / "whole" / "materials.csv"), "broken,,broken.binary");
 
-    const ProgramRun none = run(*folder, {"report", "broken.binary", "missing.binary", "-o", "none", "--least"});
+    const ProgramRun none = run_srbf(*folder, {"report", "broken.binary", "missing.binary", "-o", "none", "--least"});
     EXPECT_EQ(none.status, 1);
-    EXPECT_NE(none.err.find("missing.binary"), html.npos);
-    EXPECT_NE(contents(*folder / "none" / "index.html").find("<b>missing</b>"), html.npos);
+    EXPECT_CONTAINS(none.err, "missing.binary");
+    EXPECT_CONTAINS(read_text(*folder / "none" / "index.html"), "<b>missing</b>");
 }
 
 TEST_F(Report, NeedsNothingButItself) {
     int links = 0;
     for (const fs::path& page : pages) {
-        const std::string text = contents(page);
+        const std::string text = read_text(page);
         for (const char* outside : {"<script ", "http:", "https:", "<link", "url(", "{{"})
-            EXPECT_EQ(text.find(outside), text.npos) << page << ": " << outside;
+            EXPECT_LACKS(text, outside) << page;
         // Everything that is shown or linked exists.
         const std::regex link("(?:href|src)=['\"]([^'\"]*)['\"]");
         for (std::sregex_iterator match(text.begin(), text.end(), link), end; match != end; ++match, ++links)
@@ -109,7 +108,7 @@ TEST_F(Report, IsShownByABrowser) {
         std::system(fmt::format("PYTHONDONTWRITEBYTECODE=1 PYTHONPATH='{}/test' python3 '{}'{} > '{}' 2>&1",
                                 SRBF_SOURCE_DIR, script, files, (*folder / "said").string())
                         .c_str());
-    const std::string output = contents(*folder / "said");
+    const std::string output = read_text(*folder / "said");
     if (WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127)) GTEST_SKIP() << output;
     ASSERT_EQ(status, 0) << output;
     const auto answers = nlohmann::json::parse(output);
@@ -131,7 +130,7 @@ std::set<std::string> fields_of(const fs::path& report) {
     std::set<std::string> fields_of_report;
     for (const auto& entry : fs::directory_iterator(report)) {
         if (entry.path().extension() != ".csv") continue;
-        const std::string text = contents(entry.path());
+        const std::string text = read_text(entry.path());
         std::vector<std::string_view> fields;
         Lines lines(text);
         std::size_t columns = 0;
@@ -149,7 +148,7 @@ std::set<std::string> fields_of(const fs::path& report) {
 TEST_F(Report, EveryNumberIsInTheTables) {
     const std::set<std::string> fields = fields_of(folder->path / "whole");
     std::string html_of_pages;
-    for (const fs::path& page : pages) html_of_pages += contents(page);
+    for (const fs::path& page : pages) html_of_pages += read_text(page);
     // Each number carries the field that it was rounded from.
     const std::regex number("<data value='([^']*)'>([^<]*)</data>");
     int numbers = 0;
@@ -162,7 +161,7 @@ TEST_F(Report, EveryNumberIsInTheTables) {
         std::erase_if(displayed, [](char c) { return c == ',' || c == ' ' || c == '%' || c == 's'; });
         const auto value = to_number<double>(displayed), field = to_number<double>(exact);
         ASSERT_TRUE(value && field) << (*match)[0];
-        EXPECT_PRED3(near, *value, (is_percent ? 100 : 1) * *field, 0.006 * std::abs(*value) + 0.005) << (*match)[0];
+        EXPECT_WITHIN(*value, (is_percent ? 100 : 1) * *field, 0.006 * std::abs(*value) + 0.005) << (*match)[0];
     }
     EXPECT_GT(numbers, 120);
     // The same holds for each point of a plot.
@@ -191,7 +190,7 @@ std::set<fs::path> completed_folders(const fs::path& report) {
     return folders;
 }
 
-TEST_F(Report, SaysWhereNoFramesCanBeTimed) {
+TEST_F(Report, SaysIfNoFramesCanBeTimed) {
     const TemporaryFolder blind;
     fs::copy(*folder / "nickel.binary", blind / "nickel.binary");
     for (const fs::path& done : completed_folders(folder->path / "whole"))
@@ -201,23 +200,23 @@ TEST_F(Report, SaysWhereNoFramesCanBeTimed) {
             fs::remove(blind.path / "a" / done.filename() / "frames.json");
         }
     ::setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/dev/null", 1);  // no library that draws
-    const ProgramRun done = run(blind, {"report", "nickel.binary", "-o", "a", "--least"});
+    const ProgramRun done = run_srbf(blind, {"report", "nickel.binary", "-o", "a", "--least"});
     ::unsetenv("__EGL_VENDOR_LIBRARY_FILENAMES");
     EXPECT_EQ(done.status, 0) << done.err;
-    const std::string page = contents(*completed_folders(blind / "a").begin() / "index.html");
-    EXPECT_NE(page.find("No frames were timed: "), page.npos);
-    EXPECT_NE(page.find("Sizes, errors, seconds"), page.npos);
+    const std::string page = read_text(*completed_folders(blind / "a").begin() / "index.html");
+    EXPECT_CONTAINS(page, "No frames were timed: ");
+    EXPECT_CONTAINS(page, "Sizes, errors, seconds");
 }
 
 TEST_F(Report, NamesTheSourcesRowsBesideItsOwnMaterials) {
-    const std::string krylon = contents(page_of("krylon_blue"));
-    EXPECT_NE(krylon.find("Tsai 2009, multivariate"), krylon.npos);
-    EXPECT_NE(krylon.find("<data value='0.0102'>1.02 %</data>"), krylon.npos);
-    EXPECT_NE(contents(page_of("nickel")).find("<data value='0.0044'>0.44 %</data>"), krylon.npos);
+    const std::string krylon = read_text(page_of("krylon_blue"));
+    EXPECT_CONTAINS(krylon, "Tsai 2009, multivariate");
+    EXPECT_CONTAINS(krylon, "<data value='0.0102'>1.02 %</data>");
+    EXPECT_CONTAINS(read_text(page_of("nickel")), "<data value='0.0044'>0.44 %</data>");
 }
 
-TEST_F(Report, GoesOnWhereItWasKilled) {
-    const pid_t process = start(*folder, arguments("killed"), *folder / "out", *folder / "err");
+TEST_F(Report, ResumesAfterItWasKilled) {
+    const pid_t process = start_srbf(*folder, arguments("killed"), *folder / "out", *folder / "err");
     ASSERT_GT(process, 0);
     const fs::path report = folder->path / "killed";
     int status = 0;
@@ -235,7 +234,7 @@ TEST_F(Report, GoesOnWhereItWasKilled) {
     // Running the others in parallel does not change the results.
     Arguments side_by_side = arguments("killed");
     side_by_side.insert(side_by_side.end(), {"--jobs", "2"});
-    EXPECT_EQ(run(*folder, side_by_side).status, first.status);
+    EXPECT_EQ(run_srbf(*folder, side_by_side).status, first.status);
     // Completed materials were not repeated, and their times are the same.
     Files after = files_of(*kept.begin());
     for (const auto& [file, content] : before) EXPECT_TRUE(after[file] == content) << file;
@@ -246,8 +245,8 @@ TEST_F(Report, GoesOnWhereItWasKilled) {
     for (const auto& [file, content] : whole) EXPECT_TRUE(contains_times(file) || resumed[file] == content) << file;
     // With the same times, pages and tables have the same bytes.
     for (const auto& [file, content] : whole)
-        if (is_measured_time(file)) write(report / file, content);
-    EXPECT_EQ(run(*folder, arguments("killed")).status, first.status);
+        if (is_measured_time(file)) write_text(report / file, content);
+    EXPECT_EQ(run_srbf(*folder, arguments("killed")).status, first.status);
     resumed = files_of(report);
     for (const auto& [file, content] : whole) EXPECT_TRUE(resumed[file] == content) << file;
 }
@@ -256,10 +255,10 @@ TEST_F(Report, GoesOnWhereItWasKilled) {
 TEST_F(Report, KeepsStudiesOfTheSameInputAndOptionsAlone) {
     const TemporaryFolder other;
     fs::copy(*folder / "nickel.binary", other / "nickel.binary");
-    write(other / "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 2\nf 1 2 3\nf 1 2 4\n# a\n");
+    write_text(other / "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 2\nf 1 2 3\nf 1 2 4\n# a\n");
     const Arguments base{"report", "nickel.binary", "-o", "o", "--least"};
     const auto studies_after = [&](const Arguments& more) {
-        EXPECT_EQ(run(other, base + more).status, 0);
+        run_ok(other, base + more);
         return completed_folders(other / "o");
     };
     const auto first_studies = studies_after({});
@@ -270,22 +269,22 @@ TEST_F(Report, KeepsStudiesOfTheSameInputAndOptionsAlone) {
     EXPECT_EQ(studies_after({"--up", "z"}).size(), 2u);
     EXPECT_EQ(studies_after({"--mesh", "m.obj"}).size(), 3u);
     for (const char* file : {"m.obj", "nickel.binary"}) {
-        std::string content = contents(other / file);
+        std::string content = read_text(other / file);
         content[content.size() - 2] = char(content[content.size() - 2] ^ 1);
-        write(other / file, content);
+        write_text(other / file, content);
         EXPECT_EQ(studies_after({"--mesh", "m.obj"}).size(), file[0] == 'm' ? 4u : 5u);
     }
     fs::copy(other / "nickel.binary", other / "matt.binary");
-    EXPECT_EQ(run(other, {"report", "matt.binary", "-o", "o", "--least"}).status, 0);
+    run_ok(other, {"report", "matt.binary", "-o", "o", "--least"});
     EXPECT_EQ(completed_folders(other / "o").size(), 6u);
 }
 
-TEST_F(Report, RefusesWhatItCannotUse) {
+TEST_F(Report, RefusesInputItCannotUse) {
     const auto refused = [&](Arguments more, int status, const char* named) {
         more.insert(more.begin(), "report");
-        const ProgramRun run = srbf::run(*folder, more);
+        const ProgramRun run = run_srbf(*folder, more);
         EXPECT_EQ(run.status, status) << run.err;
-        EXPECT_NE(run.err.find(named), run.err.npos) << run.err;
+        EXPECT_CONTAINS(run.err, named);
     };
     refused({"nickel.binary"}, 2, "--output");
     refused({"-o", "x"}, 2, "FILE");

@@ -8,7 +8,7 @@ import subprocess
 
 import numpy as np
 
-from seen import delta_e, displayed, exposure
+from support.visible_error import delta_e, displayed, exposure
 
 SIZE, DISTANCE, HALF_FIELD = 256, 5, math.radians(13)
 TO_LIGHT, IRRADIANCE = np.array([-2, 2, 3]) / math.sqrt(17), 3
@@ -50,13 +50,13 @@ def reference(program, model, folder):
     return picture
 
 
-def picture_error(picture, of_model):
+def picture_error(picture, model_picture):
     """The mean ΔE_ITP over the sphere of a host's picture against that of the model."""
     inside = points()[0]
-    return delta_e(picture[inside], of_model[inside])
+    return delta_e(picture[inside], model_picture[inside])
 
 
-def side_by_side(of_model, pictures):
+def side_by_side(model_picture, pictures):
     """The model's picture and those of hosts in a row, 8-bit sRGB, with the exposure of the first."""
-    by = exposure(of_model[points()[0]])
-    return np.concatenate([displayed(picture, by) for picture in (of_model, *pictures)], axis=1)
+    factor = exposure(model_picture[points()[0]])
+    return np.concatenate([displayed(picture, factor) for picture in (model_picture, *pictures)], axis=1)

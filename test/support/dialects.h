@@ -1,4 +1,4 @@
-// Tests that draw off screen, in each dialect of OpenGL.
+// A fixture of tests that draw off screen, once for each dialect of OpenGL.
 #pragma once
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 
 namespace srbf {
 
-/// Skips the test if the machine has no such context.
-class InEachDialect : public testing::TestWithParam<Dialect> {
+/// Skips the test if no context of its dialect can be created.
+class OpenGLTest : public testing::TestWithParam<Dialect> {
   protected:
     void SetUp() override {
         auto made = OffscreenContext::make(GetParam());
@@ -18,9 +18,9 @@ class InEachDialect : public testing::TestWithParam<Dialect> {
     std::optional<OffscreenContext> context;
 };
 
-/// Names the tests Of/SUITE.TEST/OpenGL.
-#define IN_EACH_DIALECT(SUITE)                                                             \
-    INSTANTIATE_TEST_SUITE_P(Of, SUITE, testing::Values(Dialect::gl_450, Dialect::es_300), \
+/// Names the tests All/SUITE.TEST/OpenGL.
+#define IN_EACH_DIALECT(SUITE)                                                              \
+    INSTANTIATE_TEST_SUITE_P(All, SUITE, testing::Values(Dialect::gl_450, Dialect::es_300), \
                              [](const auto& test) { return test.param == Dialect::gl_450 ? "OpenGL" : "OpenGLES"; })
 
 }  // namespace srbf

@@ -19,8 +19,8 @@ struct ProgramRun {
 
 /// Starts the program with `arguments` in `folder`, with its standard output and error in these files. Returns 0 if it
 /// did not start.
-inline pid_t start(const TemporaryFolder& folder, const std::vector<std::string>& arguments, const std::string& out,
-                   const std::string& err) {
+inline pid_t start_srbf(const TemporaryFolder& folder, const std::vector<std::string>& arguments,
+                        const std::string& out, const std::string& err) {
     const std::string program = SRBF_PROGRAM;
     std::vector<char*> argv{const_cast<char*>(program.c_str())};
     for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
@@ -40,16 +40,24 @@ inline pid_t start(const TemporaryFolder& folder, const std::vector<std::string>
 }
 
 /// Runs the program with `arguments` in `folder`. Standard output is captured, or goes to the device `out`.
-inline ProgramRun run(const TemporaryFolder& folder, const std::vector<std::string>& arguments, std::string out = {}) {
+inline ProgramRun run_srbf(const TemporaryFolder& folder, const std::vector<std::string>& arguments,
+                           std::string out = {}) {
     const TemporaryFolder captured;
     if (out.empty()) out = captured / "out";
     const std::string err = captured / "err";
-    const pid_t process = start(folder, arguments, out, err);
+    const pid_t process = start_srbf(folder, arguments, out, err);
     if (process == 0) return {-1, {}, {}};
     int status = 0;
     EXPECT_EQ(::waitpid(process, &status, 0), process);
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status),
-            std::filesystem::is_regular_file(out) ? contents(out) : "", contents(err)};
+            std::filesystem::is_regular_file(out) ? read_text(out) : "", read_text(err)};
+}
+
+/// Runs the program, and expects success.
+inline ProgramRun run_ok(const TemporaryFolder& folder, const std::vector<std::string>& arguments) {
+    ProgramRun result = run_srbf(folder, arguments);
+    EXPECT_EQ(result.status, 0) << testing::PrintToString(arguments) << '\n' << result.err;
+    return result;
 }
 
 }  // namespace srbf

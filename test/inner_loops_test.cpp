@@ -8,7 +8,7 @@
 #include "srbf/kernel.h"
 #include "srbf/models/pm.h"
 
-namespace srbf::gram_test {
+namespace srbf::inner_loops_test {
 namespace {
 
 constexpr std::size_t k_count = 2 * k_block + 300, k_bound_pairs = 7;
@@ -40,17 +40,17 @@ std::vector<const float*> pointers(const std::vector<Aligned<float>>& columns) {
 }
 
 /// Each test runs once per instruction set.
-class Gram : public testing::TestWithParam<Target> {
+class InnerLoops : public testing::TestWithParam<Target> {
   protected:
     const OneTarget target_{GetParam()};
     const Observations observations_ = random_observations();
     const Rows rows_{observations_};
     std::mt19937_64 random_{2};
 };
-INSTANTIATE_TEST_SUITE_P(EachTarget, Gram, testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
+INSTANTIATE_TEST_SUITE_P(EachTarget, InnerLoops, testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
                          [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
 
-TEST_P(Gram, RowsContainTheObservationsWithoutBoundPairs) {
+TEST_P(InnerLoops, RowsContainTheObservationsWithoutBoundPairs) {
     ASSERT_EQ(rows_.blocks, 3u);
     for (std::size_t i = 0; i < 3 * k_block; ++i) {
         const Vec3f wl(rows_.wl[0][i], rows_.wl[1][i], rows_.wl[2][i]),
@@ -59,11 +59,12 @@ TEST_P(Gram, RowsContainTheObservationsWithoutBoundPairs) {
             EXPECT_EQ(wl, observations_.wl[i]);
             EXPECT_EQ(wv, observations_.wv[i]);
             const double root = std::sqrt(observations_.weight[i]);
-            EXPECT_TRUE(near_relative(rows_.root_weight[i], rows_.scale * root, 1e-6));
+            EXPECT_WITHIN_RELATIVE(rows_.root_weight[i], rows_.scale * root, 1e-6);
             for (int c = 0; c < 3; ++c)
-                EXPECT_TRUE(near_relative(rows_.y[std::size_t(c)][i], root * double(observations_.f[i][c]), 1e-6));
+                EXPECT_WITHIN_RELATIVE(rows_.y[std::size_t(c)][i], root * double(observations_.f[i][c]), 1e-6);
         } else {
-            EXPECT_TRUE(near(dot(wl, wl), 1, 1e-6) && near(dot(wv, wv), 1, 1e-6));
+            EXPECT_WITHIN(dot(wl, wl), 1, 1e-6);
+            EXPECT_WITHIN(dot(wv, wv), 1, 1e-6);
             EXPECT_EQ(rows_.root_weight[i], 0);
             for (int c = 0; c < 3; ++c) EXPECT_EQ(rows_.y[std::size_t(c)][i], 0);
         }
@@ -77,13 +78,13 @@ TEST_P(Gram, RowsContainTheObservationsWithoutBoundPairs) {
     EXPECT_EQ(Rows(few).blocks, 0u);
 }
 
-TEST_P(Gram, WeightsOfRowsSumToOne) {
+TEST_P(InnerLoops, WeightsOfRowsSumToOne) {
     double sum = 0;
     for (const float root : rows_.root_weight) sum += double(root) * double(root);
-    EXPECT_TRUE(near(sum, 1, 1e-5));
+    EXPECT_WITHIN(sum, 1, 1e-5);
 }
 
-TEST_P(Gram, AxialFeatureIsTheExponentOfAKernelAtTheNormal) {
+TEST_P(InnerLoops, AxialFeatureIsTheExponentOfAKernelAtTheNormal) {
     using K = Kernel<double>;
     const auto widened = [](Vec3f w) { return Vec3d(double(w.x), double(w.y), double(w.z)); };
     for (int trial = 0; trial < 20; ++trial) {
@@ -98,18 +99,18 @@ TEST_P(Gram, AxialFeatureIsTheExponentOfAKernelAtTheNormal) {
                 const auto psi = [&](double t) { return K::psi(wl, wv, std::cos(t), std::sin(t)); };
                 const Vec3d d = std::cos(angle) * wl + std::sin(angle) * wv;
                 const double steepness = 1 / std::sqrt(dot(d, d));
-                EXPECT_TRUE(near(s[i], K::gaussian_exponent(psi(angle), {0, 0, 1}, 1), 1e-6 * (1 + steepness)));
-                EXPECT_TRUE(near(s[i], psi(angle).z - 1, 1e-6 * (1 + steepness)));
-                EXPECT_TRUE(near(derivative[i], K::psi_by_angle(wl, wv, std::cos(angle), std::sin(angle)).z,
-                                 1e-6 * steepness * steepness));
+                EXPECT_WITHIN(s[i], K::gaussian_exponent(psi(angle), {0, 0, 1}, 1), 1e-6 * (1 + steepness));
+                EXPECT_WITHIN(s[i], psi(angle).z - 1, 1e-6 * (1 + steepness));
+                EXPECT_WITHIN(derivative[i], K::psi_by_angle(wl, wv, std::cos(angle), std::sin(angle)).z,
+                              1e-6 * steepness * steepness);
                 const double difference = (psi(angle + h).z - psi(angle - h).z) / (2 * h);
-                EXPECT_TRUE(near(derivative[i], difference, 1e-6 * std::pow(steepness, 3)));
+                EXPECT_WITHIN(derivative[i], difference, 1e-6 * std::pow(steepness, 3));
             }
         }
     }
 }
 
-TEST_P(Gram, GeneralFeaturesMatchTheKernel) {
+TEST_P(InnerLoops, GeneralFeaturesMatchTheKernel) {
     const auto widened = [](Vec3f w) { return Vec3d(double(w.x), double(w.y), double(w.z)); };
     using K = Kernel<double>;
     const double a = std::cos(0.4), b = std::sin(0.4);
@@ -121,17 +122,17 @@ TEST_P(Gram, GeneralFeaturesMatchTheKernel) {
         for (std::size_t i = 0; i < k_block && first + i < k_count; ++i) {
             Vec3d wl = widened(observations_.wl[first + i]), wv = widened(observations_.wv[first + i]);
             if (is_exchanged) std::swap(wl, wv);
-            const Vec3d psi = K::psi(wl, wv, a, b), by_angle = K::psi_by_angle(wl, wv, a, b);
-            const double expected[] = {psi.x, psi.y, psi.z - 1, by_angle.x, by_angle.y, by_angle.z};
+            const Vec3d psi = K::psi(wl, wv, a, b), psi_derivative = K::psi_by_angle(wl, wv, a, b);
+            const double expected[] = {psi.x, psi.y, psi.z - 1, psi_derivative.x, psi_derivative.y, psi_derivative.z};
             for (std::size_t k = 0; k < 3; ++k) {
-                EXPECT_TRUE(near(s[k * k_block + i], expected[k], 2e-6));
-                EXPECT_TRUE(near(derivative[k * k_block + i], expected[3 + k], 4e-6));
+                EXPECT_WITHIN(s[k * k_block + i], expected[k], 2e-6);
+                EXPECT_WITHIN(derivative[k * k_block + i], expected[3 + k], 4e-6);
             }
         }
     }
 }
 
-TEST_P(Gram, FurtherFeaturesMatchTheKernel) {
+TEST_P(InnerLoops, FurtherFeaturesMatchTheKernel) {
     const auto widened = [](Vec3f w) { return Vec3d(double(w.x), double(w.y), double(w.z)); };
     for (const PmForm form : k_forms) {
         const int count = features(form);
@@ -144,14 +145,14 @@ TEST_P(Gram, FurtherFeaturesMatchTheKernel) {
                                                         widened(observations_.wv[block * k_block + i]));
                 for (std::size_t k = 0; k < std::size_t(count); ++k) {
                     const double tolerance = k == 0 ? 2e-5 * (1 + std::abs(expected.x[k])) : 1e-6;
-                    EXPECT_TRUE(near(x[k * k_block + i], expected.x[k], tolerance)) << k;
+                    EXPECT_WITHIN(x[k * k_block + i], expected.x[k], tolerance) << k;
                 }
             }
         }
     }
 }
 
-TEST_P(Gram, ExponentIsTheWeightedSumAndItsMaximumSkipsWeightsOfZero) {
+TEST_P(InnerLoops, ExponentIsTheWeightedSumAndItsMaximumSkipsWeightsOfZero) {
     for (const std::size_t variates : {1u, 3u, 8u}) {
         std::vector<Aligned<float>> s;
         std::vector<float> weight;
@@ -175,7 +176,7 @@ TEST_P(Gram, ExponentIsTheWeightedSumAndItsMaximumSkipsWeightsOfZero) {
                     sum += double(weight[n]) * double(columns[n][i]);
                     size += std::abs(double(weight[n]) * double(columns[n][i]));
                 }
-                EXPECT_TRUE(near(x[i], sum, 1e-6 * size));
+                EXPECT_WITHIN(x[i], sum, 1e-6 * size);
                 if (rows_.root_weight[block * k_block + i] > 0)
                     expected_largest = std::max(expected_largest, double(x[i]));
             }
@@ -192,7 +193,7 @@ TEST_P(Gram, ExponentIsTheWeightedSumAndItsMaximumSkipsWeightsOfZero) {
               std::numeric_limits<float>::lowest());
 }
 
-TEST_P(Gram, ExponentiateSubtractsTheOffset) {
+TEST_P(InnerLoops, ExponentiateSubtractsTheOffset) {
     for (const float offset : {0.f, -30.f, 80.f}) {
         const auto exponents = column(random_, -90, 0);
         for (std::size_t block = 0; block < 3; ++block) {
@@ -208,13 +209,13 @@ TEST_P(Gram, ExponentiateSubtractsTheOffset) {
                 const double root = double(rows_.root_weight[block * k_block + i]);
                 const double expected = root > 0 ? root * std::exp(double(input[i]) - double(offset)) : 0;
                 const double size = std::abs(double(input[i]) - double(offset));
-                EXPECT_TRUE(near(x[i], expected, 3e-7 * (1 + size / 2) * expected + 0x1p-93)) << input[i];
+                EXPECT_WITHIN(x[i], expected, 3e-7 * (1 + size / 2) * expected + 0x1p-93) << input[i];
             }
         }
     }
 }
 
-TEST_P(Gram, MultiplyAndResidual) {
+TEST_P(InnerLoops, MultiplyAndResidualMatchTheirFormulas) {
     const auto a = column(random_, -1, 1), b = column(random_, -1, 1);
     Aligned<float> product(k_block);
     multiply(a.data(), b.data(), product.data());
@@ -233,14 +234,14 @@ TEST_P(Gram, MultiplyAndResidual) {
         for (std::size_t i = 0; i < k_block; ++i) {
             double rest = double(a[i]);
             for (std::size_t j = 0; j < lobes; ++j) rest -= double(beta[j]) * double(columns[j][i]);
-            EXPECT_TRUE(near(r[i], rest, 1e-6 * double(lobes + 1)));
+            EXPECT_WITHIN(r[i], rest, 1e-6 * double(lobes + 1));
             squares += rest * rest;
         }
-        EXPECT_TRUE(near_relative(sum, squares, 1e-5));
+        EXPECT_WITHIN_RELATIVE(sum, squares, 1e-5);
     }
 }
 
-TEST_P(Gram, AddProductsAddsProductsOfRowsAndColumns) {
+TEST_P(InnerLoops, AddProductsAddsProductsOfRowsAndColumns) {
     for (const std::size_t m : {1u, 4u, 7u})
         for (const std::size_t n : {1u, 3u, 8u}) {
             std::vector<Aligned<float>> rows, columns;
@@ -255,12 +256,12 @@ TEST_P(Gram, AddProductsAddsProductsOfRowsAndColumns) {
                         sum += double(rows[i][l]) * double(columns[k][l]);
                         size += std::abs(double(rows[i][l]) * double(columns[k][l]));
                     }
-                    EXPECT_TRUE(near(G[i * n + k], sum, 3e-6 * size));
+                    EXPECT_WITHIN(G[i * n + k], sum, 3e-6 * size);
                 }
         }
 }
 
-TEST_P(Gram, AddGramAddsProductsUpToTheDiagonal) {
+TEST_P(InnerLoops, AddGramAddsProductsUpToTheDiagonal) {
     for (std::size_t n = 1; n <= 30; ++n) {
         std::vector<Aligned<float>> columns;
         for (std::size_t j = 0; j < n; ++j) columns.push_back(column(random_, -0.5, 1));
@@ -275,7 +276,7 @@ TEST_P(Gram, AddGramAddsProductsUpToTheDiagonal) {
                     sum += double(columns[i][m]) * double(columns[k][m]);
                     size += std::abs(double(columns[i][m]) * double(columns[k][m]));
                 }
-                EXPECT_TRUE(near(G[i * n + k], before[i * n + k] + sum, 3e-6 * size)) << n << ' ' << i << ' ' << k;
+                EXPECT_WITHIN(G[i * n + k], before[i * n + k] + sum, 3e-6 * size) << n << ' ' << i << ' ' << k;
             }
     }
     std::vector<double> none;
@@ -308,7 +309,7 @@ std::vector<double> all_results(const Rows& rows) {
     return results;
 }
 
-TEST(Gram, LoopsHaveTheSameBitsWithAllInstructionSets) {
+TEST(InnerLoops, LoopsHaveTheSameBitsWithAllInstructionSets) {
     const Rows rows(random_observations());
     const auto expected = all_results(rows);
     for (const Target target : hwy::SupportedAndGeneratedTargets()) {
@@ -318,4 +319,4 @@ TEST(Gram, LoopsHaveTheSameBitsWithAllInstructionSets) {
 }
 
 }  // namespace
-}  // namespace srbf::gram_test
+}  // namespace srbf::inner_loops_test

@@ -69,12 +69,12 @@ inline TexelMap random_map(std::mt19937_64& random, const RandomModelOptions& op
 inline std::shared_ptr<const Model> random_part(std::uint64_t seed, const RandomModelOptions& options) {
     std::mt19937_64 random(seed);
     PmModel model = random_model(random, options);
-    for (Rgb& beta : model.coefficient) beta = {0.1f * beta.r, 0.1f * beta.g, 0.1f * beta.b};
+    for (Rgb& colour : model.coefficient) colour = {0.1f * colour.r, 0.1f * colour.g, 0.1f * colour.b};
     return std::make_shared<const Model>(Model{model, {}});
 }
 
 /// A BSDF of four models of different kinds, with beams.
-inline BsdfModel full_bsdf(double most_bandwidth = 30) {
+inline BsdfModel lobe_bsdf_with_beams(double most_bandwidth = 30) {
     BsdfModel bsdf;
     const PmForm form = PmForm::horizon;
     for (std::size_t p = 0; p < k_parts; ++p)
@@ -87,7 +87,7 @@ inline BsdfModel full_bsdf(double most_bandwidth = 30) {
 }
 
 /// A BSDF of four models of Lambert and GGX.
-inline BsdfModel rough_bsdf() {
+inline BsdfModel ggx_bsdf() {
     BsdfModel bsdf;
     for (std::size_t p = 0; p < k_parts; ++p)
         bsdf.part[p] = std::make_shared<const Model>(

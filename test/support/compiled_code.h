@@ -24,23 +24,23 @@ inline testing::AssertionResult runs(const std::string& command) {
 }
 
 /// A folder of source files, and compilers for them.
-class WrittenCode : public testing::Test {
+class CodeTest : public testing::Test {
   protected:
-    ~WrittenCode() override {
+    ~CodeTest() override {
         for (void* library : loaded_) ::dlclose(library);
     }
     std::string path(const std::string& name) const { return (folder_ / name).string(); }
-    /// The path of a new file.
-    std::string written(const std::string& name, const std::string& text) const {
-        write(folder_ / name, text);
+    /// Writes a new file, and returns its path.
+    std::string write_source(const std::string& name, const std::string& text) const {
+        write_text(folder_ / name, text);
         return path(name);
     }
 
     /// Compiles C or C++ to a library, which is loaded until the test ends. After an error the result is null and the
     /// test fails.
-    void* compiled(const std::string& compiler, const std::string& name, const std::string& text,
-                   const std::string& level = "-O1") {
-        const std::string source = written(name + ".c", text), file = path(name + ".so");
+    void* compile_and_load(const std::string& compiler, const std::string& name, const std::string& text,
+                           const std::string& level = "-O1") {
+        const std::string source = write_source(name + ".c", text), file = path(name + ".so");
         EXPECT_TRUE(runs(fmt::format("{} {} -shared -fPIC '{}' -o '{}' -lm", compiler, level, source, file)));
         void* library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
         if (library)
@@ -70,7 +70,7 @@ class WrittenCode : public testing::Test {
                                      const std::string& text) const {
         if (!std::strlen(SRBF_GLSLANG))
             return testing::AssertionFailure() << "glslangValidator (Debian: glslang-tools) was not found";
-        return runs(fmt::format("'{}' {} '{}'", SRBF_GLSLANG, options, written(name, text)));
+        return runs(fmt::format("'{}' {} '{}'", SRBF_GLSLANG, options, write_source(name, text)));
     }
     std::vector<void*> loaded_;
 };

@@ -7,9 +7,9 @@
 
 namespace srbf {
 
-using Function = std::function<double(const Vec3d&, const Vec3d&)>;
+using ScalarBrdf = std::function<double(const Vec3d&, const Vec3d&)>;
 
-inline Evaluate brdf_of(Function f) {
+inline Evaluate to_evaluate(ScalarBrdf f) {
     return [f = std::move(f)](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
         for (std::size_t i = 0; i < values.size(); ++i) {
             const auto y = wl[i].z > 0 && wv[i].z > 0 ? float(f(to_double(wl[i]), to_double(wv[i]))) : 0.f;
@@ -18,21 +18,22 @@ inline Evaluate brdf_of(Function f) {
     };
 }
 /// A lobe about a direction that depends on the light.
-inline Function lobe(double bandwidth, double height, Vec3d (*centre)(const Vec3d&)) {
+inline ScalarBrdf lobe(double bandwidth, double height, Vec3d (*centre)(const Vec3d&)) {
     return [=](const Vec3d& wl, const Vec3d& wv) {
         return 0.1 + height * std::exp(bandwidth * (dot(centre(wl), wv) - 1));
     };
 }
-inline Vec3d mirrored(const Vec3d& wl) { return mirror(wl); }
-inline Vec3d to_light(const Vec3d& wl) { return wl; }
-inline Vec3d turned(const Vec3d& wl) { return {-wl.y, wl.x, wl.z}; }
+inline Vec3d mirror_direction(const Vec3d& wl) { return mirror(wl); }
+inline Vec3d retroreflection(const Vec3d& wl) { return wl; }
+inline Vec3d rotated_quarter(const Vec3d& wl) { return {-wl.y, wl.x, wl.z}; }
 
 /// Expects that tables made from a BRDF have its highlight at the same place, also with light and viewer exchanged.
 inline void expect_peaks_kept(const std::function<std::vector<Measured>(const Evaluate&)>& tables) {
-    for (const auto& [f, place] : {std::pair<Function, PeakPosition>{lobe(40, 2, mirrored), PeakPosition::mirror},
-                                   {lobe(40, 2, to_light), PeakPosition::retro},
-                                   {[](const Vec3d&, const Vec3d&) { return 0.2; }, PeakPosition::none}})
-        for (Measured measured : tables(brdf_of(f))) {
+    for (const auto& [f, place] :
+         {std::pair<ScalarBrdf, PeakPosition>{lobe(40, 2, mirror_direction), PeakPosition::mirror},
+          {lobe(40, 2, retroreflection), PeakPosition::retro},
+          {[](const Vec3d&, const Vec3d&) { return 0.2; }, PeakPosition::none}})
+        for (Measured measured : tables(to_evaluate(f))) {
             EXPECT_EQ(peak_of(measured).position, place) << measured.format;
             exchange(measured);
             EXPECT_EQ(peak_of(measured).position, place) << measured.format << " exchanged";

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "base/text.h"
 #include "measured_files.h"
 #include "program.h"
 #include "properties.h"
@@ -25,8 +26,6 @@ inline Arguments operator+(Arguments a, const Arguments& b) {
     return a;
 }
 
-inline std::string text_of(const Bytes& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
-
 /// Splits a text at blanks.
 inline Arguments words(const std::string& text) {
     std::istringstream in(text);
@@ -36,7 +35,7 @@ inline Arguments words(const std::string& text) {
 /// The long names of all options of each subcommand, from the completion for bash.
 inline std::map<std::string, Arguments> long_options(const TemporaryFolder& folder) {
     std::map<std::string, Arguments> all;
-    std::istringstream lines(run(folder, {"completion", "bash"}).out);
+    std::istringstream lines(run_srbf(folder, {"completion", "bash"}).out);
     for (std::string line; std::getline(lines, line);) {
         const auto at = line.find(":*:-*) words='");
         if (at == line.npos) continue;
@@ -48,24 +47,24 @@ inline std::map<std::string, Arguments> long_options(const TemporaryFolder& fold
 
 /// True if the program has all extras that the command line needs: subcommands, kinds of `srbf export`, and functions
 /// of its code.
-inline bool is_offered(const Arguments& arguments) {
+inline bool is_built(const Arguments& arguments) {
     static const std::set<std::string> extras{"render",       "map",   "report",  "html",        "exr",
                                               "dds",          "three", "area",    "environment", "environment-draws",
                                               "three-webgpu", "unity", "blender", "osl",         "radiance"};
-    static const std::set<std::string> offered = [] {
-        std::string text = run(TemporaryFolder(), {"completion", "bash"}).out;
+    static const std::set<std::string> built = [] {
+        std::string text = run_srbf(TemporaryFolder(), {"completion", "bash"}).out;
         std::ranges::replace(text, '\'', ' ');
         const Arguments all = words(text);
         return std::set<std::string>(all.begin(), all.end());
     }();
-    return std::ranges::all_of(arguments, [](const std::string& argument) {
-        return !extras.contains(argument) || offered.contains(argument);
-    });
+    return std::ranges::all_of(
+        arguments, [](const std::string& argument) { return !extras.contains(argument) || built.contains(argument); });
 }
 
 /// A MERL file of a smooth glossy material.
 inline std::string small_merl() {
-    return text_of(merl_file({9, 6, 8}, [](int h, int, int, int c) { return 0.1 + std::exp(-h) * (1 + c); }));
+    return std::string(
+        as_text(merl_file({9, 6, 8}, [](int h, int, int, int c) { return 0.1 + std::exp(-h) * (1 + c); })));
 }
 
 /// The fastest fit of a table, without the names of files.
@@ -75,18 +74,18 @@ inline const Arguments k_quick_fit{"fit", "--model",     "su",  "--directions", 
 /// The command line in a folder of its own.
 class CommandLine : public testing::Test {
   protected:
-    /// Runs in `folder`, and expects `status`, one line on standard error that contains `named`, and nothing else. Skips
-    /// subcommands of extras that are not built.
+    /// Runs the program in `folder`, and expects `status`, one line on standard error that contains `named`, and
+    /// nothing else. Skips subcommands of extras that are not built.
     void expect_failure(int status, const Arguments& arguments, const std::string& named, std::string out = {}) {
-        if (!is_offered(arguments)) return;
+        if (!is_built(arguments)) return;
         SCOPED_TRACE(fmt::format("{}", fmt::join(arguments, " ")));
         const auto before = folder.files();
-        const ProgramRun failed = run(folder, arguments, std::move(out));
+        const ProgramRun failed = run_srbf(folder, arguments, std::move(out));
         EXPECT_EQ(failed.status, status);
         EXPECT_EQ(failed.out, "");
         EXPECT_TRUE(failed.err.starts_with("srbf: ")) << failed.err;
         EXPECT_EQ(failed.err.find('\n'), failed.err.size() - 1) << failed.err;
-        EXPECT_NE(failed.err.find(named), std::string::npos) << failed.err;
+        EXPECT_CONTAINS(failed.err, named);
         EXPECT_EQ(folder.files(), before);
     }
 
@@ -94,15 +93,15 @@ class CommandLine : public testing::Test {
 };
 
 /// A small fit of bundled data, shared by several tests.
-class Command : public CommandLine {
+class SmallFit : public CommandLine {
   protected:
     static void SetUpTestSuite() {
         fitted = std::make_unique<TemporaryFolder>();
-        first = run(*fitted, {"fit", k_paper, "-o", "m.srbf", "--lobes", "2", "--variates", "2", "--threads", "1",
-                              "--preview", "p.png", "--json", "r.json"});
+        first = run_srbf(*fitted, {"fit", k_paper, "-o", "m.srbf", "--lobes", "2", "--variates", "2", "--threads", "1",
+                                   "--preview", "p.png", "--json", "r.json"});
     }
     static void TearDownTestSuite() { fitted.reset(); }
-    static Json report() { return Json::parse(contents(*fitted / "r.json"), nullptr, false); }
+    static Json report() { return Json::parse(read_text(*fitted / "r.json"), nullptr, false); }
 
     inline static std::unique_ptr<TemporaryFolder> fitted;
     inline static ProgramRun first;

@@ -1,4 +1,4 @@
-// This header compiles compute shaders of tests.
+// Compiles compute shaders.
 #pragma once
 #include <epoxy/gl.h>
 #include <gtest/gtest.h>
@@ -18,10 +18,10 @@ inline GLuint compute_program(const std::string& source) {
     GLint is_linked = 0;
     glGetProgramiv(program, GL_LINK_STATUS, &is_linked);
     if (!is_linked) {
-        std::string log(4000, '\0'), of_linking(4000, '\0');
-        glGetShaderInfoLog(shader_id, 4000, nullptr, log.data());
-        glGetProgramInfoLog(program, 4000, nullptr, of_linking.data());
-        ADD_FAILURE() << log.c_str() << of_linking.c_str();
+        std::string compile_log(4000, '\0'), link_log(4000, '\0');
+        glGetShaderInfoLog(shader_id, 4000, nullptr, compile_log.data());
+        glGetProgramInfoLog(program, 4000, nullptr, link_log.data());
+        ADD_FAILURE() << compile_log.c_str() << link_log.c_str();
     }
     glDeleteShader(shader_id);
     return is_linked ? program : 0;

@@ -7,7 +7,7 @@ import threading
 
 import numpy as np
 
-from chromium import Chromium
+from support.chromium import Chromium
 
 WEBGPU = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader"]
 

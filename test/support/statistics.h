@@ -13,11 +13,11 @@ namespace srbf {
 /// a + 1, otherwise by the continued fraction (Lentz).
 inline double upper_gamma_ratio(double a, double x) {
     if (x <= 0) return 1;
-    const double front = std::exp(a * std::log(x) - x - std::lgamma(a));
+    const double prefactor = std::exp(a * std::log(x) - x - std::lgamma(a));
     if (x < a + 1) {
         double term = 1 / a, sum = term;
         for (double k = a + 1; term > 1e-16 * sum; ++k) sum += term *= x / k;
-        return 1 - front * sum;
+        return 1 - prefactor * sum;
     }
     constexpr double tiny = 1e-300;
     double b = x + 1 - a, c = 1 / tiny, d = 1 / b, fraction = d;
@@ -29,7 +29,7 @@ inline double upper_gamma_ratio(double a, double x) {
         fraction *= c * d;
         if (std::abs(c * d - 1) < 1e-15) break;
     }
-    return front * fraction;
+    return prefactor * fraction;
 }
 
 /// Pearson's p-value: the probability that random counts differ from these expectations by more than the observed ones.
@@ -72,7 +72,7 @@ struct PolarBins {
         return std::size_t(ring) * std::size_t(sectors) + std::size_t(sector);
     }
     /// The integral of `pdf` over each bin, by midpoints.
-    std::vector<double> masses(const std::function<double(Vec3d)>& pdf, int steps = 32) const {
+    std::vector<double> integrals(const std::function<double(Vec3d)>& pdf, int steps = 32) const {
         std::vector<double> mass(size());
         const Vec3d ex = x(), ey = y();
         for (std::size_t bin = 0; bin < mass.size(); ++bin) {
@@ -94,7 +94,7 @@ struct PolarBins {
 /// The p-value of `count` samples of `sample()` against `pdf`.
 template <typename Sample>
 double sampler_p_value(const PolarBins& bins, const std::function<double(Vec3d)>& pdf, int count, Sample sample) {
-    std::vector<double> expected = bins.masses(pdf), observed(bins.size());
+    std::vector<double> expected = bins.integrals(pdf), observed(bins.size());
     for (double& mass : expected) mass *= count;
     for (int i = 0; i < count; ++i) {
         const Vec3d w = sample();

@@ -6,18 +6,18 @@ from pathlib import Path
 
 import numpy as np
 
-from seen import delta_e
+from support.visible_error import delta_e
 
 MATERIALS = ["cc_ibiza_sunset_rgb", "cg_sunflower_rgb", "colodur_napoli_4f_rgb", "paper_white_rgb", "vch_golden_yellow_rgb"]
 HOST_WITHIN = 0.3  # relative to the error of the surface against the measurement
-BRUSHED = Path(__file__).resolve().parent / "models/1/pbr_brushed.srbf"  # a surface with anisotropy: a host draws it as `srbf render` does
+BRUSHED = Path(__file__).resolve().parent.parent / "models/1/pbr_brushed.srbf"  # a surface with anisotropy: a host draws it as `srbf render` does
 BRUSHED_WITHIN = 20  # ΔE_ITP; turned by 18° more it is 37
 SIZE, SAMPLES, COARSE = 64, 512, 4
 # The camera of `srbf render`: 15° above the horizon, 30° wide, the sphere within a margin of 4 %.
 ELEVATION, FIELD, MARGIN = math.radians(15), math.radians(30), 0.04
 DISTANCE = math.hypot(1, 1 / (math.tan(FIELD / 2) * (1 - MARGIN)))
 program = sys.argv[1]
-studio = Path(__file__).resolve().parent.parent / "data/studio.hdr"
+studio = Path(__file__).resolve().parent.parent.parent / "data/studio.hdr"
 
 
 def run(*words):
@@ -110,15 +110,15 @@ def lost(reference, surface, host):
     return delta_e(surface, reference), delta_e(host, reference), delta_e(host, surface)
 
 
-def draws_brushed(host, apart):
+def draws_brushed(host, difference):
     """Prints ΔE_ITP between a host's picture of the brushed surface and ours, and returns whether it is as small as expected."""
-    print(f"{'ok  ' if apart <= BRUSHED_WITHIN else 'BAD '} brushed metal: {host} against ours {apart:.2f}", flush=True)
-    return apart <= BRUSHED_WITHIN
+    print(f"{'ok  ' if difference <= BRUSHED_WITHIN else 'BAD '} brushed metal: {host} against ours {difference:.2f}", flush=True)
+    return difference <= BRUSHED_WITHIN
 
 
 def holds(name, host, losses, own_formulas):
     """Prints the errors of surface and host, and returns whether they are as small as expected or have a known reason."""
-    ours, of_host, apart = losses
-    near = name in own_formulas or abs(of_host / ours - 1) <= HOST_WITHIN
-    print(f"{'ok  ' if near else 'BAD '} {name}: against the measurement ours {ours:.2f}, {host} {of_host:.2f}; {host} against ours {apart:.2f}", flush=True)
+    ours, host_error, difference = losses
+    near = name in own_formulas or abs(host_error / ours - 1) <= HOST_WITHIN
+    print(f"{'ok  ' if near else 'BAD '} {name}: against the measurement ours {ours:.2f}, {host} {host_error:.2f}; {host} against ours {difference:.2f}", flush=True)
     return near

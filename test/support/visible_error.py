@@ -24,14 +24,14 @@ def exposure(reference):
 
 def delta_e(picture, reference):
     """Mean ΔE_ITP of pixels [n, 3], linear, exposed for the reference and clipped at white."""
-    by = exposure(reference)
-    a, b = (itp(np.clip(by * image, 0, 1)) for image in (picture, reference))
+    factor = exposure(reference)
+    a, b = (itp(np.clip(factor * image, 0, 1)) for image in (picture, reference))
     return float(np.sqrt(((a - b)**2).sum(axis=1)).mean())
 
 
-def displayed(picture, by):
+def displayed(picture, exposed):
     """Converts linear values to 8-bit sRGB."""
-    x = np.clip(by * picture, 0, 1)
+    x = np.clip(exposed * picture, 0, 1)
     return (255 * np.where(x <= 0.0031308, 12.92 * x, 1.055 * x**(1 / 2.4) - 0.055) + 0.5).astype(np.uint8)
 
 

@@ -1,4 +1,4 @@
-// The light that a thin sphere of a BSDF in even light sends to its viewer.
+// White furnace tests of a BSDF: the light of a thin sphere in uniform illumination.
 #pragma once
 #include "properties.h"
 #include "srbf/metrics.h"
@@ -6,9 +6,10 @@
 
 namespace srbf {
 
-/// The light that a thin sphere in even light of radiance 1 sends to a viewer at `theta`, after at most this number of
-/// bounces; after one bounce light is everywhere. A chord of a sphere meets it at equal angles at both ends.
-inline double furnace(const PreparedBsdf& bsdf, double theta, int bounces) {
+/// The radiance at a viewer's angle `theta` of a thin sphere in uniform illumination of radiance 1, after at most this
+/// number of bounces. With one bounce, the inside of the sphere is lit, too. A chord of a sphere meets it at equal
+/// angles at both ends.
+inline double reflected_by_sphere(const PreparedBsdf& bsdf, double theta, int bounces) {
     constexpr int k_paths = 4096;
     std::mt19937_64 random(1);
     double sum = 0;
@@ -28,16 +29,17 @@ inline double furnace(const PreparedBsdf& bsdf, double theta, int bounces) {
     }
     return sum / k_paths;
 }
-/// The mean of that light over the disc that the viewer sees.
-inline double furnace(const PreparedBsdf& bsdf, int bounces) {
+/// The mean of `reflected_by_sphere` over the disc that the viewer sees.
+inline double mean_over_disc(const PreparedBsdf& bsdf, int bounces) {
     constexpr int k_rings = 16;
     double sum = 0;
-    for (int i = 0; i < k_rings; ++i) sum += furnace(bsdf, elementary::acos(std::sqrt((i + 0.5) / k_rings)), bounces);
+    for (int i = 0; i < k_rings; ++i)
+        sum += reflected_by_sphere(bsdf, elementary::acos(std::sqrt((i + 0.5) / k_rings)), bounces);
     return sum / k_rings;
 }
-/// Expects that a model in even light sends its viewer the sum of its parts' albedos and beams after one bounce. In all
-/// it sends no more than that, because the inside of the sphere is not brighter than its surroundings.
-inline double expect_furnace(const Model& model) {
+/// Expects that a sphere of the model shows the sum of its parts' albedos and beams after one bounce, and no more after
+/// many, because its inside is not brighter than its surroundings. Returns the mean over the disc after many bounces.
+inline double expect_energy_conserved(const Model& model) {
     const auto& bsdf = std::get<BsdfModel>(model.model);
     const PreparedBsdf prepared = prepare_bsdf(model, {.threads = 1});
     const Evaluate values = evaluator(model);
@@ -47,11 +49,11 @@ inline double expect_furnace(const Model& model) {
         for (const Part part : {Part::reflection_front, Part::transmission_back})
             expected += double(share_at(bsdf.beam, part, from).g) +
                         double(albedo(part_of(values, part), theta * k_degree, k_pi / 2).g);
-        EXPECT_PRED3(near, furnace(prepared, theta * k_degree, 1), expected, 0.02) << theta;
+        EXPECT_WITHIN(reflected_by_sphere(prepared, theta * k_degree, 1), expected, 0.02) << theta;
     }
-    const double all = furnace(prepared, 64);
-    EXPECT_LE(all, std::min(1.0, 1.002 * furnace(prepared, 1)));
-    return all;
+    const double mean = mean_over_disc(prepared, 64);
+    EXPECT_LE(mean, std::min(1.0, 1.002 * mean_over_disc(prepared, 1)));
+    return mean;
 }
 
 }  // namespace srbf

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <sstream>
 
 #include "measured/formats/tensor_file.h"
@@ -171,6 +172,14 @@ inline Bytes grey_mbsdf() {
                       {mbsdf_block("MBSDF_DATA=", 2, 3, 1, f), mbsdf_block("MBSDF_DATA_TRANSMISSION=", 1, 2, 3, f)});
 }
 
+/// A measurement bundled with the project, by its name without extension. Each is read once.
+inline const Measured& bundled(const std::string& name) {
+    static std::map<std::string, Measured> all;
+    const auto [entry, is_new] = all.try_emplace(name);
+    if (is_new) entry->second = *load_measured((bundled_data() / (name + ".bsdf")).string());
+    return entry->second;
+}
+
 /// Small files of the text formats.
 inline constexpr std::string_view k_small_cornell =
     "# Blue paint\r\n\r\n# num wls\r\n3\r\n# wls\r\n450 550\r\n650\r\n"
@@ -203,27 +212,6 @@ inline std::vector<Reference> read_reference(const std::filesystem::path& path) 
         rows.push_back(r);
     }
     return rows;
-}
-
-/// A random direction. With probability ¼ it is within a degree of the horizon or of the normal.
-inline Vec3f direction_to_the_ends(std::mt19937_64& random) {
-    const double pick = uniform(random);
-    if (pick < 0.125) return to_float(spherical(k_pi / 2 - uniform(random) * k_degree, 7 * uniform(random)));
-    if (pick < 0.25) return to_float(spherical(uniform(random) * k_degree, 7 * uniform(random)));
-    return to_float(random_direction(random, 1e-4));
-}
-
-/// ω rotated about the normal.
-inline Vec3f rotate(Vec3f w, double phi) {
-    const double c = std::cos(phi), s = std::sin(phi);
-    return to_float(Vec3d{c * double(w.x) - s * double(w.y), s * double(w.x) + c * double(w.y), double(w.z)});
-}
-
-/// Expects of a BRDF at a pair: zero below the horizon; elsewhere finite and ≥ 0, or NaN in every channel.
-inline bool keeps_contract(const Rgb& f, Vec3f wl, Vec3f wv, bool may_lack) {
-    if (wl.z <= 0 || wv.z <= 0) return f == Rgb{};
-    if (may_lack && std::isnan(f.r) && std::isnan(f.g) && std::isnan(f.b)) return true;
-    return is_finite(f) && f.r >= 0 && f.g >= 0 && f.b >= 0;
 }
 
 }  // namespace srbf

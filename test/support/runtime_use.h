@@ -32,7 +32,8 @@ static void use_model(const srbf_brdf* brdf) {
     }
 }
 
-// Returns true if the bytes are a model. It opens a copy, so that sanitizers see reads beyond the end, and frees it before use.
+// Returns true if the bytes are a model. It opens a copy, so that sanitizers see reads beyond the end, and frees it
+// before use.
 static int use_file(const unsigned char* bytes, size_t size, int is_prepared) {
     unsigned char* copy = (unsigned char*)malloc(size ? size : 1);
     size_t needed, offset;

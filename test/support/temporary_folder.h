@@ -7,16 +7,17 @@
 #include <map>
 #include <sstream>
 #include <string>
+#include <string_view>
 
 namespace srbf {
 
-inline std::string contents(const std::filesystem::path& path) {
+inline std::string read_text(const std::filesystem::path& path) {
     std::ostringstream text;
     text << std::ifstream(path, std::ios::binary).rdbuf();
     return std::move(text).str();
 }
 
-inline void write(const std::filesystem::path& path, const std::string& text) {
+inline void write_text(const std::filesystem::path& path, std::string_view text) {
     std::ofstream(path, std::ios::binary) << text;
 }
 
@@ -38,7 +39,7 @@ struct TemporaryFolder {
     std::map<std::string, std::string> files() const {
         std::map<std::string, std::string> all;
         for (const auto& entry : std::filesystem::directory_iterator(path))
-            all[entry.path().filename().string()] = entry.is_regular_file() ? contents(entry.path()) : "";
+            all[entry.path().filename().string()] = entry.is_regular_file() ? read_text(entry.path()) : "";
         return all;
     }
 };

@@ -1,4 +1,4 @@
-// Light that walks between facets of a dielectric interface and a material below it.
+// Monte Carlo simulation of a rough dielectric coat on a material.
 #pragma once
 #include "brdf/directions.h"
 #include "brdf/values.h"
@@ -8,11 +8,12 @@
 
 namespace srbf {
 
-/// The paths. The interface is the random surface of Heitz et al., "Multiple-Scattering Microfacet BSDFs with the Smith
-/// Model", 2016, so that light that meets it several times is not lost. The material is Lambert and one lobe of GGX.
-class CoatWalk {
+/// Random walks of light between the facets of the interface and the material. The interface is the random surface of
+/// Heitz et al., "Multiple-Scattering Microfacet BSDFs with the Smith Model", 2016, so that light that meets it several
+/// times is not lost. The material is Lambert and one lobe of GGX.
+class MicrosurfaceWalk {
   public:
-    CoatWalk(const GgxModel& base, double roughness, double ior) : base_(base), alpha_(roughness), ior_(ior) {}
+    MicrosurfaceWalk(const GgxModel& base, double roughness, double ior) : base_(base), alpha_(roughness), ior_(ior) {}
 
     struct Path {
         Vec3d direction;  ///< of the light, away from the surface
@@ -20,17 +21,17 @@ class CoatWalk {
     };
     /// A path from the viewer to the light.
     Path walk(Vec3d wv, std::mt19937_64& random) const {
-        Vec3d weight{1, 1, 1}, w = crossed(wv, random);
-        for (int meeting = 0; w.z < 0; ++meeting) {
-            const Vec3d up = reflected(-1.0 * w, weight, random);
-            if (!(up.z > 1e-6) || meeting == k_most) return {{0, 0, 1}, {}};
-            w = crossed(-1.0 * up, random);
+        Vec3d weight{1, 1, 1}, w = scatter_at_interface(wv, random);
+        for (int bounce = 0; w.z < 0; ++bounce) {
+            const Vec3d up = scatter_at_base(-1.0 * w, weight, random);
+            if (!(up.z > 1e-6) || bounce == k_max_bounces) return {{0, 0, 1}, {}};
+            w = scatter_at_interface(-1.0 * up, random);
         }
         return {w, weight};
     }
 
   private:
-    static constexpr int k_most = 100;
+    static constexpr int k_max_bounces = 100;
 
     static Vec3d visible_normal(Vec3d w, double alpha, std::mt19937_64& random) {
         const Vec3d seen = normalize(Vec3d{alpha * w.x, alpha * w.y, w.z});
@@ -53,16 +54,16 @@ class CoatWalk {
         return std::clamp(2 * below / std::pow(1 - u, 1 / lambda(w, alpha_)) - 1, -1.0, 1.0);
     }
     /// The next direction of light that comes from w, on either side of the interface.
-    Vec3d crossed(Vec3d w, std::mt19937_64& random) const {
-        const double side = w.z > 0 ? 1 : -1, ior = w.z > 0 ? ior_ : 1 / ior_;
-        Vec3d to{-w.x, -w.y, -std::abs(w.z)};  // in the frame of the side where the walk begins
-        double height = 1, now = 1;            // now: 1 on that side, −1 on the other
-        for (int meeting = 0; meeting < k_most; ++meeting) {
-            const Vec3d along{to.x, to.y, now * to.z};
-            height = now * next_height(along, now * height, random);
-            if (std::isinf(height)) return {to.x, to.y, side * to.z};
+    Vec3d scatter_at_interface(Vec3d w, std::mt19937_64& random) const {
+        const double first_side = w.z > 0 ? 1 : -1, ior = w.z > 0 ? ior_ : 1 / ior_;
+        Vec3d direction{-w.x, -w.y, -std::abs(w.z)};  // in the frame of the side where the walk begins
+        double height = 1, side = 1;                  // 1 on that side, −1 on the other
+        for (int bounce = 0; bounce < k_max_bounces; ++bounce) {
+            const Vec3d along{direction.x, direction.y, side * direction.z};
+            height = side * next_height(along, side * height, random);
+            if (std::isinf(height)) return {direction.x, direction.y, first_side * direction.z};
             const Vec3d back = -1.0 * along, m = visible_normal(back, alpha_, random);
-            const double cosine = std::max(dot(back, m), 1e-6), eta = now > 0 ? ior : 1 / ior,
+            const double cosine = std::max(dot(back, m), 1e-6), eta = side > 0 ? ior : 1 / ior,
                          squared = 1 - (1 - cosine * cosine) / (eta * eta);
             // The share from inside is that from outside along the refracted direction.
             const double share = squared <= 0 ? 1
@@ -71,21 +72,21 @@ class CoatWalk {
             const bool reflects = uniform(random) < share;
             const Vec3d next = normalize(reflects ? 2 * cosine * m - back
                                                   : (-1 / eta) * back + (cosine / eta - std::sqrt(squared)) * m);
-            to = {next.x, next.y, now * next.z};
-            if (!reflects) now = -now;
+            direction = {next.x, next.y, side * next.z};
+            if (!reflects) side = -side;
         }
-        return {0, 0, -side};
+        return {0, 0, -first_side};
     }
     /// The direction of light from w after the material scatters it, by Lambert or by facets.
-    Vec3d reflected(Vec3d w, Vec3d& weight, std::mt19937_64& random) const {
+    Vec3d scatter_at_base(Vec3d w, Vec3d& weight, std::mt19937_64& random) const {
         const bool is_diffuse = luminance(base_.diffuse) > 0;
-        const double of_diffuse = is_diffuse ? 0.5 : 0;
+        const double diffuse_probability = is_diffuse ? 0.5 : 0;
         const auto times = [&](const Rgb& colour, double factor) {
             weight = {weight.x * double(colour.r) * factor, weight.y * double(colour.g) * factor,
                       weight.z * double(colour.b) * factor};
         };
-        if (uniform(random) < of_diffuse) {
-            times(base_.diffuse, 1 / of_diffuse);
+        if (uniform(random) < diffuse_probability) {
+            times(base_.diffuse, 1 / diffuse_probability);
             const double u = uniform(random), phi = 2 * k_pi * uniform(random);
             return {std::sqrt(u) * std::cos(phi), std::sqrt(u) * std::sin(phi), std::sqrt(1 - u)};
         }
@@ -93,9 +94,9 @@ class CoatWalk {
         const auto alpha = double(lobe.roughness);
         const Vec3d h = visible_normal(w, alpha, random), up = 2 * dot(w, h) * h - w;
         if (!(up.z > 1e-6)) return up;
-        const double of_w = lambda(w, alpha), masked = (1 + of_w) / (1 + of_w + lambda(up, alpha));
+        const double lambda_w = lambda(w, alpha), masked = (1 + lambda_w) / (1 + lambda_w + lambda(up, alpha));
         Rgb fresnel = mixed(lobe.f0, {lobe.f90, lobe.f90, lobe.f90}, float(std::pow(1 - dot(w, h), 5)));
-        times(fresnel, masked / (1 - of_diffuse));
+        times(fresnel, masked / (1 - diffuse_probability));
         return up;
     }
 
@@ -103,17 +104,19 @@ class CoatWalk {
     double alpha_, ior_;
 };
 
-/// The BRDF of the paths: `near` times the ratio of the walked light to that of `near`, in bins of directions. They are
-/// equal steps of sin²θ of viewer and light and of the azimuth between them. The BRDF is symmetrized.
-class WalkedCoat {
+/// The BRDF estimated from paths: `approximation` times the ratio of the simulated to the approximated light in each
+/// bin of directions. Bins are equal steps of sin²θ of viewer and light and of the azimuth between them. The BRDF is
+/// symmetrized.
+class SimulatedCoat {
   public:
-    WalkedCoat(const CoatWalk& coat, Evaluate near, int paths) : near_(std::move(near)) {
+    SimulatedCoat(const MicrosurfaceWalk& coat, Evaluate approximation, int paths)
+        : approximation_(std::move(approximation)) {
         std::mt19937_64 random(1);
         for (int view = 0; view < k_views; ++view) {
             const Vec3d wv = direction((view + 0.5) / k_views, 0);
             std::vector<Vec3d> sum(std::size_t(k_rings * k_azimuths));
             for (int i = 0; i < paths; ++i) {
-                const CoatWalk::Path path = coat.walk(wv, random);
+                const MicrosurfaceWalk::Path path = coat.walk(wv, random);
                 const Vec3d w = path.direction;
                 Vec3d& bin =
                     sum[index(std::min(int((1 - w.z * w.z) * k_rings), k_rings - 1),
@@ -122,17 +125,17 @@ class WalkedCoat {
             }
             for (int ring = 0; ring < k_rings; ++ring)
                 for (int azimuth = 0; azimuth < k_azimuths; ++azimuth) {
-                    const Vec3d expected = near_mean(wv, ring, azimuth), found = sum[index(ring, azimuth)];
+                    const Vec3d expected = mean_of_approximation(wv, ring, azimuth), found = sum[index(ring, azimuth)];
                     ratio_.push_back({found.x / expected.x, found.y / expected.y, found.z / expected.z});
                 }
         }
     }
     Rgb value(Vec3f wl, Vec3f wv) const {
         std::array<Rgb, 1> f;
-        near_(std::span(&wl, 1), std::span(&wv, 1), f);
+        approximation_(std::span(&wl, 1), std::span(&wv, 1), f);
         if (!(wl.z > 0 && wv.z > 0)) return f[0];
-        const Vec3d l = to_double(wl), v = to_double(wv), by = 0.5 * (ratio(l, v) + ratio(v, l));
-        return {f[0].r * float(by.x), f[0].g * float(by.y), f[0].b * float(by.z)};
+        const Vec3d l = to_double(wl), v = to_double(wv), factor = 0.5 * (ratio(l, v) + ratio(v, l));
+        return {f[0].r * float(factor.x), f[0].g * float(factor.y), f[0].b * float(factor.z)};
     }
 
   private:
@@ -142,8 +145,8 @@ class WalkedCoat {
         const double sine = std::sqrt(squared_sine);
         return {sine * std::cos(phi), sine * std::sin(phi), std::sqrt(1 - squared_sine)};
     }
-    /// The share of light that `near_` reflects into a bin.
-    Vec3d near_mean(Vec3d wv, int ring, int azimuth) const {
+    /// The share of light that `approximation_` reflects into a bin.
+    Vec3d mean_of_approximation(Vec3d wv, int ring, int azimuth) const {
         constexpr int k_points = 8;
         std::vector<Vec3f> wl;
         for (int i = 0; i < k_points * k_points; ++i)
@@ -151,7 +154,7 @@ class WalkedCoat {
                                             k_pi * (azimuth + (i % k_points + 0.5) / k_points) / k_azimuths)));
         const std::vector<Vec3f> same(wl.size(), to_float(wv));
         std::vector<Rgb> f(wl.size());
-        near_(wl, same, f);
+        approximation_(wl, same, f);
         Vec3d sum{};
         for (const Rgb& x : f) sum = sum + Vec3d{double(x.r), double(x.g), double(x.b)};
         return (k_pi / (k_rings * k_azimuths) / double(f.size())) * sum;
@@ -177,7 +180,7 @@ class WalkedCoat {
         return sum;
     }
 
-    Evaluate near_;
+    Evaluate approximation_;
     std::vector<Vec3d> ratio_;
 };
 

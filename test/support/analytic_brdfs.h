@@ -1,10 +1,10 @@
-// BRDFs that tests of pictures draw.
+// BRDFs of closed form.
 #pragma once
 #include <limits>
 
 #include "srbf/vec.h"
 
-namespace srbf::shown_brdfs {
+namespace srbf::analytic_brdfs {
 
 struct Lambert {
     Rgb albedo;
@@ -28,4 +28,4 @@ inline Rgb value(const Glossy& b, Vec3f wl, Vec3f wv) {
     return {b.scale * (0.05f + 9 * peak), b.scale * (0.02f + 8 * peak), b.scale * (0.2f * brushed + 7 * peak)};
 }
 
-}  // namespace srbf::shown_brdfs
+}  // namespace srbf::analytic_brdfs

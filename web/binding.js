@@ -25,7 +25,6 @@ function system_of(memory) {
     proc_exit(status) { throw new Error(output.trim() || `the module ended with status ${status}`); },
   } };
 }
-
 // The exports of the compiled module, instantiated with what it imports.
 async function instantiated(module, progress) {
   let c = null;
@@ -39,7 +38,6 @@ async function instantiated(module, progress) {
   c._initialize?.();
   return c;
 }
-
 // The functions of the compiled module. `progress(stage, fraction)` may return false to cancel a fit.
 async function new_srbf(module, progress = () => true) {
   const c = await instantiated(module, progress);

@@ -13,7 +13,7 @@ from pathlib import Path
 root = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(root / "web"), str(root / "test")]
 from chromium import WEBGL, Chromium, program as chromium  # noqa: E402
-from packed import packed  # noqa: E402
+from packed import pack  # noqa: E402
 
 program, data = Path(sys.argv[1]).resolve(), root / "data"
 NUMBER = re.compile(r"-?\d+\.\d+(?:e[-+]?\d+)?")
@@ -66,7 +66,7 @@ def check_page(path):
 with tempfile.TemporaryDirectory() as folder:
     for command in COMMANDS:
         subprocess.run([program, *command], cwd=folder, check=True, stdout=subprocess.DEVNULL)
-    Path(folder, "film.html").write_text(packed(Path(folder, "page.html").read_text(encoding="utf-8")), encoding="utf-8")
+    Path(folder, "film.html").write_text(pack(Path(folder, "page.html").read_text(encoding="utf-8")), encoding="utf-8")
     for name, place in KEPT.items():
         written, kept = Path(folder, name), place / name
         if "--write" in sys.argv:

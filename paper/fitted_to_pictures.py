@@ -1,4 +1,4 @@
-"""Fits models of sized_brdfs.py by the default objective of `srbf`, so that a comparison is one of forms and not of losses.
+"""Fits models of brdf_families.py by the default objective of `srbf`, so that a comparison is one of forms and not of losses.
 
 The loss is that of docs/fitting.md with its weights: pairs, albedos, and pixels of the same pictures. It has no overshoots, and nothing beyond 89°.
 As by default, values are those of the reciprocal mean, and pixels of the fit choose among the starts: sixteen are improved by a quarter of the data,
@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import classic_brdfs
 import numpy as np
-import sized_brdfs
+import brdf_families
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "test"))
 from seen import C1, C2, C3, M1, M2, TO_2020, TO_ITP, TO_LMS  # noqa: E402
@@ -227,9 +227,9 @@ def rounded(loss, x, coordinates):
     return min(results, key=lambda y: np.sum(loss.residuals(y, False) ** 2))
 
 
-MODELS = {**{f"gtr-{count}-pictures": sized_brdfs.Lobes(classic_brdfs.Parameter, count) for count in (1, 2, 3, 6)},
-          **{f"lafortune-{count}-pictures": sized_brdfs.Cosines(classic_brdfs.Parameter, count) for count in (1, 3, 8)},
-          **{f"network-{width}-pictures": sized_brdfs.Network(classic_brdfs.Parameter, width) for width in (2, 4, 6, 9)}}
+MODELS = {**{f"gtr-{count}-pictures": brdf_families.Lobes(classic_brdfs.Parameter, count) for count in (1, 2, 3, 6)},
+          **{f"lafortune-{count}-pictures": brdf_families.Cosines(classic_brdfs.Parameter, count) for count in (1, 3, 8)},
+          **{f"network-{width}-pictures": brdf_families.Network(classic_brdfs.Parameter, width) for width in (2, 4, 6, 9)}}
 
 
 def fit(brdf, name):

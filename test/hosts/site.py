@@ -11,12 +11,10 @@ import tempfile
 import time
 from pathlib import Path
 
-root = Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(root / "test"))
-from chromium import WEBGL, Chromium, program  # noqa: E402
+from checks import ROOT, expect, finish, skip
+from chromium import WEBGL, Chromium, program
 
-srbf = root / "build/release/srbf"
-failures = []
+srbf = ROOT / "build/release/srbf"
 LONGEST_TASK, CANCELLED_WITHIN, MOST_MEMORY = 100, 1, 300 * 2**20  # milliseconds; seconds; bytes of the module
 PATIENCE = 400  # seconds until a fit counts as failed
 SAVED = [("glsl", ".glsl"), ("hlsl", ".hlsl"), ("unity", ".shader"), ("wgsl", ".wgsl"), ("msl", ".metal"), ("c", ".h"), ("three", ".js"),
@@ -26,10 +24,8 @@ SLIDERS = ["roughen", "highlight", "highlight_warmth", "body", "body_warmth", "h
 LAST_BALL = "#gallery ul:last-of-type li:last-child a"
 
 
-def check(holds, what):
-    if not holds:
-        failures.append(what)
-        print("  FAILED:", what)
+def check(condition, text):
+    expect(condition, text, quiet=True)
 
 
 def run(*arguments):
@@ -148,7 +144,7 @@ def on_one_screen(page, material, others=""):
 def linked(page, folder):
     """A link of the gallery shows its model, which is saved as it is, and can be edited."""
     chromium, links = page.chromium, page.chromium.run("[...document.querySelectorAll('#gallery li a')].map((link) => link.hash.slice(1))")
-    models = sorted((path.stem for path in (root / "data/gallery").glob("*.srbf")), key=lambda stem: ("_stand_in" in stem, stem))
+    models = sorted((path.stem for path in (ROOT / "data/gallery").glob("*.srbf")), key=lambda stem: ("_stand_in" in stem, stem))
     check(links == models, f"the gallery has {links}")
     name = models[-1] + ".srbf"
     chromium.click(LAST_BALL)
@@ -156,7 +152,7 @@ def linked(page, folder):
     page.wait(name, lambda state: state["name"] == name)
     chromium.run("viewer.settled()")
     print(f"  {name}: the picture of a model after {time.time() - begun:.1f} s")
-    check(page.model() == (root / "data/gallery" / name).read_bytes(), f"{name} is not saved as it was opened")
+    check(page.model() == (ROOT / "data/gallery" / name).read_bytes(), f"{name} is not saved as it was opened")
     shown = chromium.run("[...document.querySelectorAll('figure:not([hidden])')].map((figure) => figure.dataset.material).join()")
     check(shown == "1", f"{name}: pictures {shown}")
     check(not chromium.run("document.getElementById('editing').hidden"), f"{name} cannot be edited")
@@ -166,9 +162,9 @@ def linked(page, folder):
     check(chromium.run("[...document.querySelectorAll('.compared')].every((e) => e.hidden)"), f"{name}: the page talks of a measurement")
     check(chromium.run("document.querySelector('#about a')?.href") == "https://rgl.epfl.ch/materials", f"{name} has no link to its measurement")
     on_one_screen(page, "1", ", .controls > label > *")
-    for_blender(page, root / "data/gallery" / name, folder)
+    for_blender(page, ROOT / "data/gallery" / name, folder)
     # The same ball is opened again, after another file.
-    page.give(root / "data/paper_white_rgb.csv")
+    page.give(ROOT / "data/paper_white_rgb.csv")
     page.wait("another file", lambda state: state["name"] == "paper_white_rgb.csv" or state["working"])
     chromium.click(LAST_BALL)
     page.wait(f"{name} again", lambda state: state["name"] == name)
@@ -176,7 +172,7 @@ def linked(page, folder):
     check(chromium.run("document.getElementById('state').getBoundingClientRect().top < innerHeight / 2"), "a second click on a ball shows nothing")
     chromium.click("#gallery li:first-child a")
     page.wait("the film's ball", lambda state: state["name"] == models[0] + ".srbf")
-    for_blender(page, root / "data/cc_ibiza_sunset_rgb.bsdf", folder)  # not of its model, as the page has the measurement
+    for_blender(page, ROOT / "data/cc_ibiza_sunset_rgb.bsdf", folder)  # not of its model, as the page has the measurement
 
 
 def clicked(page, ball):
@@ -216,7 +212,7 @@ def one_layout(page):
     chromium = page.chromium
     for width in (1440, 768, 360):
         chromium.size(width, 900)
-        chromium.open(root / "build/site/index.html", "#satin_blue_stand_in")
+        chromium.open(ROOT / "build/site/index.html", "#satin_blue_stand_in")
         page.wait("a ball", lambda state: chromium.run("!document.getElementById('editing').hidden"))
         page.wait("a picture", lambda state: chromium.run("viewer.settled().then(() => viewer.scene(1).samples >= 16)"))
         calm, before = pixels(page, 1)[0], chromium.run(WORK)["boxes"]
@@ -233,7 +229,7 @@ def one_layout(page):
 
 def damaged(page, folder):
     """Files that are wrong: one line, as the program says it or with the kind of the file. What was there stays."""
-    film = (root / "data/cc_ibiza_sunset_rgb.bsdf").read_bytes()
+    film = (ROOT / "data/cc_ibiza_sunset_rgb.bsdf").read_bytes()
     contents = {"empty.bsdf": b"", "text.bsdf": b"Hello, world\n", "cut.bsdf": film[:100000],
                 "head.bsdf": film[:12] + b"\xff" * 40 + film[52:], "wrong.csv": b"wl_x,wl_y\n1,2\n",
                 "wrong.xml": b"<?xml version='1.0'?><WindowElement><Optical></WindowElement>",
@@ -261,7 +257,7 @@ def damaged(page, folder):
 
 
 def cancelled(page):
-    page.give(root / "data/paper_white_rgb.bsdf")
+    page.give(ROOT / "data/paper_white_rgb.bsdf")
     page.wait("working", lambda state: state["working"])
     time.sleep(2)
     page.chromium.click("#cancel")
@@ -293,9 +289,9 @@ def stopped(page):
 
 def replaced(page):
     """A second file while the first is fitted; then another number of lobes."""
-    page.give(root / "data/cc_ibiza_sunset_rgb.bsdf")
+    page.give(ROOT / "data/cc_ibiza_sunset_rgb.bsdf")
     time.sleep(2)
-    page.give(root / "data/paper_white_rgb.bsdf")
+    page.give(ROOT / "data/paper_white_rgb.bsdf")
     page.wait("the second", lambda state: state["name"] == "paper_white_rgb.bsdf")
     choose(page, "lobes", 4)
     page.wait("fewer lobes", lambda state: page.chromium.run("app.state().fitted.bytes") == 100 and not state["working"])
@@ -304,7 +300,7 @@ def replaced(page):
 
 def edited(page, folder):
     """Drops a measurement, edits its model and saves it as a three.js material, by mouse alone."""
-    film, chromium = root / "data/cc_ibiza_sunset_rgb.bsdf", page.chromium
+    film, chromium = ROOT / "data/cc_ibiza_sunset_rgb.bsdf", page.chromium
     page.give(film)
     page.wait("the film", lambda state: state["name"] == film.name and not state["working"])
     fitted = page.model()
@@ -342,21 +338,20 @@ def closed(page):
     page.chromium.close()
 
 
-one_file = root / "data/ready/srbf.html"
+one_file = ROOT / "data/ready/srbf.html"
 if "--write" in sys.argv:
-    shutil.copy(root / "build/srbf.html", one_file)
+    shutil.copy(ROOT / "build/srbf.html", one_file)
 if not program():
-    print("no Chromium (Debian: chromium)")
-    sys.exit(0)
+    skip("no Chromium (Debian: chromium)")
 page = Page(one_file)
 with tempfile.TemporaryDirectory() as name:
     print("  the page in one file:")
-    film = root / "data/cc_ibiza_sunset_rgb.bsdf"
+    film = ROOT / "data/cc_ibiza_sunset_rgb.bsdf"
     compared(page, film, Path(name))
     for_blender(page, film, Path(name))
     linked(page, Path(name))
 closed(page)
-page = Page(root / "build/site/index.html")
+page = Page(ROOT / "build/site/index.html")
 there = page.chromium.run("Math.round(performance.timing.loadEventEnd - performance.timing.navigationStart)")
 print(f"  the page is there after {there} ms")
 with tempfile.TemporaryDirectory() as name:
@@ -373,7 +368,7 @@ with tempfile.TemporaryDirectory() as name:
 longest = page.longest_task()
 check(longest <= LONGEST_TASK, f"the page does not answer for {longest} ms")
 closed(page)
-page = Page(root / "build/site/index.html")
+page = Page(ROOT / "build/site/index.html")
 one_layout(page)
 closed(page)
-sys.exit(1 if failures else 0)
+finish()

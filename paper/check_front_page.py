@@ -1,4 +1,4 @@
-"""Fits the five measurements as the front page and the paper do, and compares errors with theirs: python3 paper/headline.py PROGRAM FOLDER
+"""Fits the five measurements as the front page and the paper do, and compares errors with theirs: python3 paper/check_front_page.py PROGRAM FOLDER
 
 PROGRAM is `srbf`, and FOLDER has RGL's files; `./run paper FOLDER` calls it. The numbers of the pages are read from their tables. The exit
 status is 1 if one of them differs from that of the fits, rounded as there.
@@ -9,7 +9,7 @@ import statistics
 import sys
 
 from comparison import MEASURED
-from reports import material, report, reports
+from fit_reports import material_of, report_of_fit, reports_of_fits
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
 
@@ -71,9 +71,9 @@ def fitted(program, folder):
     models = dict.fromkeys(options for _, _, options in ROWS)
     wanted = [(path, options, seed) for options in models for path in paths for seed in SEEDS.get(options, [0])]
     fits = {}
-    for (path, options, seed), outcome in reports(lambda path, options, seed: report(program, path, *options, "--seed", str(seed)), wanted):
+    for (path, options, seed), outcome in reports_of_fits(lambda path, options, seed: report_of_fit(program, path, *options, "--seed", str(seed)), wanted):
         mean_pictures = outcome.get("mean_pictures", outcome["pictures"])
-        fits[options, material(path), seed] = outcome["pictures"]["delta_e_itp"], mean_pictures["delta_e_itp"], outcome["payload_bytes"]
+        fits[options, material_of(path), seed] = outcome["pictures"]["delta_e_itp"], mean_pictures["delta_e_itp"], outcome["payload_bytes"]
     return fits
 
 

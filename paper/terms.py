@@ -73,8 +73,8 @@ def terms_table(rows):
     for name, setting in TERMS.items():
         line = [name]
         for key, (_, form) in COLUMNS.items():
-            of_seeds = [statistics.fmean(rows[file, setting, seed][key] for file in materials) for seed in SEEDS]
-            least, largest = (format(extreme(of_seeds), form) for extreme in (min, max))
+            seed_means = [statistics.fmean(rows[file, setting, seed][key] for file in materials) for seed in SEEDS]
+            least, largest = (format(extreme(seed_means), form) for extreme in (min, max))
             line.append(f"{least.removesuffix('%')} to {largest.replace('%', ' %')}")
         lines.append(line)
     return comparison.table(["terms", *(head for head, _ in COLUMNS.values())], lines)

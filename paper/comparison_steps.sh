@@ -20,7 +20,7 @@ $python paper/convert_networks.py nps "$nps" "$work/nps"
 for name in $(cut -d, -f1 docs/comparison.csv | sed 1d | sort -u); do mv "$work/others/$name.txt" "$work/networks"; done
 for file in "$rgl"/*_rgb.bsdf; do mv "$work/networks/$(basename "$file" _rgb.bsdf).txt" "$work/rgl_networks"; done
 $python paper/stand_ins.py "$work/networks" "$work/tables"
-# Of MERL's 100 materials 35 have a table.
+# 35 of MERL's 100 materials have a table.
 for file in "$nbrdf"/merl_nbrdf/*.h5; do
     table=$work/tables/$(basename "$file" .h5).binary
     if [ -e "$table" ]; then cp "$table" "$work/merl35"; fi

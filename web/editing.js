@@ -17,7 +17,7 @@ function tint(name) {
 }
 const k_luminance = [0.2126, 0.7152, 0.0722], luminance = (colour) => colour.reduce((sum, x, i) => sum + k_luminance[i] * x, 0);
 const saturation = () => { const x = value("saturate"); return x < 0 ? 1 + x : 1 + 2 * x; };
-// What stands beside the sliders.
+// The texts beside the sliders.
 const times = (x) => `× ${x.toFixed(2)}`;
 const texts = {
   roughen: () => times(Math.sqrt(factor("roughen"))), highlight: () => times(factor("highlight")), body: () => times(factor("body")),
@@ -35,7 +35,7 @@ function edits() {
   if (is_changed("hue")) changes.hue = value("hue");
   return changes;
 }
-// The same edits, described with the labels of the sliders.
+// A description of the edits, with the labels of the sliders.
 const description = () => inputs.filter((input) => value(input.name) !== 0)
   .map((input) => `${input.labels[0].textContent.toLowerCase()} ${input.nextElementSibling.value}`).join(", ");
 // Scales the distance of a colour from grey, as `Saturate` of srbf/edit.h. The luminance stays.

@@ -60,11 +60,8 @@ int set_json(const Json& json) {
 }
 int fail(const Error& error) { return set_content(std::string_view(message(error))), 0; }
 /// Sets the content to a result or to its error.
-int set_result(const Result<std::string>& result) {
-    return result ? set_content(std::string_view(*result)) : fail(result.error());
-}
-int set_result(const Result<std::vector<std::byte>>& result) {
-    return result ? set_content(std::span<const std::byte>(*result)) : fail(result.error());
+template <typename T> int set_result(const Result<T>& result) {
+    return result ? set_content(*result) : fail(result.error());
 }
 
 const Subject* subject_of(int number) {

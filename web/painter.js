@@ -6,9 +6,9 @@
 //                it shows edits
 //   edit         `index`, `edit` of a material that shows edits: shares, roughness (factor, own), colours (two matrices)
 //   environment  `image` (width, height, texels)
-//   draw         `pictures`, each with `subject` (a material's index, or "difference" of the first two), width,
-//                height, scene; `is_new`: forgets the samples so far; `reset_exposure`: under an environment the pictures
-//                get a new exposure; `is_quick`: starts with the coarsest picture, because another one may follow at once
+//   draw         `number` of the request; `pictures`, each with `subject` (a material's index, or "difference" of the first two),
+//                width, height, scene; `is_new`: forgets the samples so far; `reset_exposure`: sets a new exposure under an
+//                environment; `is_quick`: starts with the coarsest picture, because another one may follow at once
 //   rest         `is_resting`: take few samples of a picture, because a fit is running
 //   lose         for tests: loses the context, or restores it
 // and posts { kind, .. }: picture (subject, image, number), drawn (number, samples, exposure), refused (subject, why), busy
@@ -51,11 +51,9 @@ function to_clip({ eye, target, half, frame }, shift = [0, 0]) {
 
 const bytes_of = (base64) => Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
 
-const k_formats = {
-  RGBA16F: ["RGBA", "HALF_FLOAT", Uint16Array],
-  RGBA32F: ["RGBA", "FLOAT", Float32Array],
-  RGBA32UI: ["RGBA_INTEGER", "UNSIGNED_INT", Uint32Array],
-};
+// The layout and type of a texture's numbers, and their array.
+const k_formats = { RGBA16F: ["RGBA", "HALF_FLOAT", Uint16Array], RGBA32F: ["RGBA", "FLOAT", Float32Array],
+  RGBA32UI: ["RGBA_INTEGER", "UNSIGNED_INT", Uint32Array] };
 function new_texture(gl, { target, format, size, texels }) {
   const bind_point = gl["TEXTURE_" + target], [pixel, type, Numbers] = k_formats[format];
   const numbers = new Numbers(bytes_of(texels).buffer);

@@ -72,10 +72,10 @@ const page = fill_in(await text("app.html"), { viewer, version, gallery, ...slid
 const k_ball_elements = "#gallery i, #stored, #viewer.stored figure::before";
 const with_balls = (address) => page.replace("</head>", `<style>${k_ball_elements} { background-image: url(${address}) }</style>\n</head>`);
 await writeFile(path.join(folder, "index.html"), with_balls("data/gallery.jpg"));
-const parts = {};
+const page_files = {};
 for (const name of ["style.css", "app.css", "light.js", "painter.js", "viewer.js", "binding.js", "working.js", "editing.js", "app.js"]) {
-  parts[name] = await text(name);
-  await writeFile(path.join(folder, name), parts[name]);
+  page_files[name] = await text(name);
+  await writeFile(path.join(folder, name), page_files[name]);
 }
 
 // Precomputed data of the ready models. Their shaders have nearly all lines in common.
@@ -92,11 +92,12 @@ for (const name of models) {
 
 // Data as scripts, because a page opened from a disk may not fetch files.
 const k_samples = ["cc_ibiza_sunset_rgb.bsdf", "paper_white_rgb.bsdf"];
+const data_files = { module: await readFile(module_file), studio: await readFile(path.join(root, "data/studio.hdr")),
+  prepared: JSON.stringify({ lines: [...lines.keys()], models: prepared_models }) };
+for (const sample of k_samples) data_files[sample] = await readFile(path.join(root, "data", sample));
+for (const model of models) data_files[model] = await readFile(path.join(root, "data/gallery", model));
 let embedded = "";
-for (const [name, content] of [["module", await readFile(module_file)], ["studio", await readFile(path.join(root, "data/studio.hdr"))],
-  ["prepared", JSON.stringify({ lines: [...lines.keys()], models: prepared_models })],
-  ...await Promise.all(k_samples.map(async (sample) => [sample, await readFile(path.join(root, "data", sample))])),
-  ...await Promise.all(models.map(async (name) => [name, await readFile(path.join(root, "data/gallery", name))]))]) {
+for (const [name, content] of Object.entries(data_files)) {
   const packed = gzipSync(content, { level: 9 });
   if (!models.includes(name)) console.log(`${name}: ${packed.length} bytes compressed`);
   const data = packed.toString("base64");
@@ -107,8 +108,8 @@ for (const [name, content] of [["module", await readFile(module_file)], ["studio
 // The page in one file, without the report. Its data comes last, so that the page is shown before they are read.
 const one_file = with_balls(`data:image/jpeg;base64,${balls.toString("base64")}`)
   .replace(/ <a href="gallery.*?<\/a>/, "").replace("One folder", "One file")
-  .replace(/<link rel="stylesheet" href="(.*?)">/g, (_, name) => `<style>\n${parts[name]}</style>`).replace("</body>", () => embedded + "</body>")
-  .replace(/<script src="(.*?)"><\/script>/g, (_, name) => `<script>\n${parts[name].replaceAll("</script", "<\\/script")}</script>`);
+  .replace(/<link rel="stylesheet" href="(.*?)">/g, (_, name) => `<style>\n${page_files[name]}</style>`).replace("</body>", () => embedded + "</body>")
+  .replace(/<script src="(.*?)"><\/script>/g, (_, name) => `<script>\n${page_files[name].replaceAll("</script", "<\\/script")}</script>`);
 await writeFile(path.join(path.dirname(folder), "srbf.html"), one_file);
 
 // The package for scripts, ready to publish.

@@ -116,7 +116,7 @@ void main() {{
 
 
 def evaluated(subject, folder):
-    """The same radiance from `srbf eval`, for lights above the horizon of a point."""
+    """Returns the radiance by `srbf eval`, for lights above the horizon of a point."""
     at = 2 * (np.arange(SIZE) + 0.5) / SIZE - 1
     x, y = np.meshgrid(at, at)
     n = np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 1e-6))], axis=-1)

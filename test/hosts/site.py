@@ -163,7 +163,7 @@ def check_gallery(page, folder):
     check(chromium.run("document.querySelector('#about a')?.href") == "https://rgl.epfl.ch/materials", f"{name} has no link to its measurement")
     check_one_screen(page, "1", ", .controls > label > *")
     check_blender_script(page, ROOT / "data/gallery" / name, folder)
-    # The same ball is opened again, after another file.
+    # Another file is opened, and then this ball again.
     page.drop(ROOT / "data/paper_white_rgb.csv")
     page.wait("another file", lambda state: state["name"] == "paper_white_rgb.csv" or state["working"])
     chromium.click(LAST_BALL)

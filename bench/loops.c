@@ -1,5 +1,5 @@
-/* Loops of code_bench.cpp. Each stores one number for each pair of directions, as the library's loops do. RUNTIME is defined
- * for loops that call srbf_runtime.h; the others call exported code, m.h, and ignore the model `b`. */
+/* Loops of code_bench.cpp. Each stores one number for each pair of directions, as the library's loops do. RUNTIME is
+ * defined for loops that call srbf_runtime.h; the others call exported code, m.h, and ignore the model `b`. */
 #ifdef RUNTIME
 #define SRBF_RUNTIME_IMPLEMENTATION
 #include "srbf_runtime.h"

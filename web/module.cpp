@@ -248,8 +248,8 @@ SRBF_EXPORT(fit) int fit_subject(int number, const char* options, std::size_t si
 
 // ---- Edits -------------------------------------------------------------------------------------------------------
 
-/// Sets the content to the numbers that pictures of edits need before their fit, as JSON: the shares of the body, and the
-/// roughness of the highlight (`PM_EDITED` of srbf/shader.h). It is null for a model that cannot be edited.
+/// Sets the content to the numbers that pictures of edits need before their fit, as JSON: the shares of the body, and
+/// the roughness of the highlight (`PM_EDITED` of srbf/shader.h). It is null for a model that cannot be edited.
 SRBF_EXPORT(highlight) int highlight(int number) {
     const Model* model = model_of(subject_of(number));
     const auto* pm = model ? std::get_if<PmModel>(&model->model) : nullptr;
@@ -258,8 +258,8 @@ SRBF_EXPORT(highlight) int highlight(int number) {
     return set_json(Json{{"shares", body_shares(*pm)}, {"roughness", roughness > 0 ? roughness : 1}});
 }
 
-/// Applies edits to a model: a JSON object with numbers `roughen`, `saturate` and `hue` [degrees] and colours `highlight`
-/// and `body`, all optional. The content describes the result as JSON.
+/// Applies edits to a model: a JSON object with numbers `roughen`, `saturate` and `hue` [degrees] and colours
+/// `highlight` and `body`, all optional. The content describes the result as JSON.
 SRBF_EXPORT(edit) int edit(int number, const char* text, std::size_t size) {
     const Subject* subject = subject_of(number);
     const Model* model = model_of(subject);
@@ -303,8 +303,8 @@ SRBF_EXPORT(model_file) int model_file(int number) {
     return model ? set_content(std::span<const std::byte>(write_model(*model))) : fail(unknown("that of a model"));
 }
 
-/// Sets the content to shading code of a model: glsl, hlsl, wgsl, msl, c, three or unity. `sampling` adds NAME_sample and
-/// NAME_pdf, `environment` NAME_environment.
+/// Sets the content to shading code of a model: glsl, hlsl, wgsl, msl, c, three or unity. `sampling` adds NAME_sample
+/// and NAME_pdf, `environment` NAME_environment.
 SRBF_EXPORT(code) int code(int number, const char* language, std::size_t size, int sampling, int environment) {
     const Subject* subject = subject_of(number);
     const Model* model = model_of(subject);

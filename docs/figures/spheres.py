@@ -14,11 +14,10 @@ import tempfile
 import numpy as np
 import srbf
 
-here = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [os.path.join(here, "..", "..", name) for name in ("test", "paper")]
-import chromium  # noqa: E402
-import compare_models  # noqa: E402
-import stand_ins  # noqa: E402
+from clone import ROOT
+import chromium
+import compare_models
+import stand_ins
 
 STYLE = """body {{ margin: 0; background: #fff; color: #222; font: 14px DejaVu Sans, sans-serif }} div {{ display: flex; align-items: center }}
     p {{ width: {0}px; margin: 0; padding-left: 8px; box-sizing: border-box; line-height: 1.35 }} b {{ width: {1}px; text-align: center; font-weight:
@@ -54,7 +53,7 @@ def lights(out):
     rows = []
     lobes, ggx = ("nine lobes", {}), ("two GGX", {"model": "ggx", "lobes": 2})
     for name, stem, fits in (("white paper", "paper_white", [lobes]), ("vinyl film", "cc_ibiza_sunset", [lobes, ggx])):
-        measured = srbf.load_measurement(os.path.join(here, "..", "..", "data", stem + "_rgb.bsdf"))
+        measured = srbf.load_measurement(os.path.join(ROOT, "data", stem + "_rgb.bsdf"))
         rows.append((f"{name},<br>measured", [sphere(measured, measured, light, 78) for light in srbf.lightings()]))
         for label, options in fits:
             model = srbf.fit(measured, **options).model

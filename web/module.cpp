@@ -1,6 +1,7 @@
 // The library for a page or a script: C functions of one WebAssembly module, called by web/binding.js. Subjects,
 // which are measurements and models, have numbers from 1. A function that may fail returns 0 on failure; `content`
 // is then the error in one line. Otherwise it returns a number above 0, and `content` is its result.
+// Keys of JSON are in camel case, as web/package/srbf.d.ts documents them; names of JavaScript are in snake case.
 #include <fmt/format.h>
 
 #include <cctype>

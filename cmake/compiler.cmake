@@ -13,15 +13,15 @@ set(SRBF_COMPILED_ONCE ON)
 if(CCACHE AND NOT DEFINED ENV{CCACHE_DISABLE})
   set(SRBF_COMPILED_ONCE OFF)
 endif()
-# compiled_together(TARGET..): a unity build, so that shared headers are read and instantiated only a few times. Names
+# use_unity_build(TARGET..): compiles several sources as one, so that shared headers are read and instantiated only a few times. Names
 # in unnamed namespaces must be distinct within a target.
-function(compiled_together)
+function(use_unity_build)
   if(SRBF_COMPILED_ONCE)
     set_target_properties(${ARGN} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 24)
   endif()
 endfunction()
-# precompiled(TARGET AS HEADER..): uses precompiled headers, which are compiled once for the target AS.
-function(precompiled target as)
+# use_precompiled_headers(TARGET AS HEADER..): uses precompiled headers, which are compiled once for the target AS.
+function(use_precompiled_headers target as)
   if(NOT SRBF_COMPILED_ONCE OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     return()
   elseif(target STREQUAL as)
@@ -36,7 +36,7 @@ endfunction()
 set(SRBF_QUICKLY_COMPILED $<$<CONFIG:Release>:-O1>)
 set(SRBF_COMPILED_FOR_SPEED)
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL "wasm32")
-  set(SRBF_QUICKLY_COMPILED -Oz)  # a page has to be small; CMakeLists.txt lists the slow computations (`much_computed`)
+  set(SRBF_QUICKLY_COMPILED -Oz)  # a page has to be small; CMakeLists.txt lists the slow computations (`wasm_fast_sources`)
 endif()
 if(SRBF_SANITIZE)
   set(SRBF_QUICKLY_COMPILED -O0)
@@ -86,21 +86,21 @@ if(SRBF_SANITIZE)
   target_link_libraries(srbf_build INTERFACE srbf_sanitized)
 endif()
 
-# Instruction sets that are no faster than the next lower one. Each takes as long to compile.
+# Instruction sets that are no faster than the next lower one are left out, because each takes as long to compile.
 if(NOT SRBF_SANITIZE)
-  set(needless HWY_SSSE3|HWY_AVX3_DL)
+  set(disabled_targets HWY_SSSE3|HWY_AVX3_DL)
   if(hwy_VERSION VERSION_GREATER_EQUAL 1.1)
-    string(APPEND needless |HWY_AVX3_ZEN4|HWY_AVX3_SPR)
+    string(APPEND disabled_targets |HWY_AVX3_ZEN4|HWY_AVX3_SPR)
   endif()
   # Vectors of unknown size cannot be class members, as they are in our code.
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64|ARM64")
-    set(needless HWY_SVE|HWY_SVE2)
+    set(disabled_targets HWY_SVE|HWY_SVE2)
     if(hwy_VERSION VERSION_GREATER_EQUAL 1.0)
-      string(APPEND needless |HWY_SVE_256|HWY_SVE2_128)
+      string(APPEND disabled_targets |HWY_SVE_256|HWY_SVE2_128)
     endif()
     if(hwy_VERSION VERSION_GREATER_EQUAL 1.2)
-      string(APPEND needless |HWY_NEON|HWY_NEON_BF16)  # no faster than HWY_NEON_WITHOUT_AES
+      string(APPEND disabled_targets |HWY_NEON|HWY_NEON_BF16)  # no faster than HWY_NEON_WITHOUT_AES
     endif()
   endif()
-  target_compile_definitions(srbf_build INTERFACE "HWY_DISABLED_TARGETS=(${needless})")
+  target_compile_definitions(srbf_build INTERFACE "HWY_DISABLED_TARGETS=(${disabled_targets})")
 endif()

@@ -16,8 +16,8 @@ def shares(u, v, count):
     first is the ground of a pattern of waves; twice along u the pattern changes through the others and back to the first of them."""
     waves = sum(np.cos(2 * np.pi * (k * u + 8 * np.sin(1.7 * k) * v) + k * k) for k in (7, -5, 12, -13, 3, 16, -9))
     inside = np.clip((waves + 0.4) / 0.8 + 0.5, 0, 1)[..., None]
-    apart = np.abs((2 * u % 1 * (count - 1))[..., None] - np.arange(count - 1))
-    turn = np.clip(1 - np.minimum(apart, count - 1 - apart), 0, 1)
+    distance = np.abs((2 * u % 1 * (count - 1))[..., None] - np.arange(count - 1))
+    turn = np.clip(1 - np.minimum(distance, count - 1 - distance), 0, 1)
     return np.concatenate([1 - inside, inside * turn], axis=-1)
 
 

@@ -31,12 +31,13 @@ static void to_world(double frame[3][3], const float* w, double* world) {
 }
 // The distance to the sphere about (0, 0, 1) or to the floor, with the normal there; 0 if there is none.
 static double intersect(const double* from, const double* w, double* normal) {
-    const double apart[3] = {from[0], from[1], from[2] - 1}, b = dot(apart, w), root = b * b - dot(apart, apart) + 1;
+    const double from_centre[3] = {from[0], from[1], from[2] - 1}, b = dot(from_centre, w),
+                 root = b * b - dot(from_centre, from_centre) + 1;
     const double near = -b - sqrt(fmax(root, 0)), distance = near > 1e-4 ? near : 2 * -b - near;
     const double floor_distance = w[2] != 0 ? -from[2] / w[2] : 0;
     const int hits = root > 0 && distance > 1e-4, hits_floor = floor_distance > 1e-4;
     const int is_floor = hits_floor && (!hits || floor_distance < distance);
-    for (int i = 0; i < 3; ++i) normal[i] = is_floor ? i == 2 : apart[i] + distance * w[i];
+    for (int i = 0; i < 3; ++i) normal[i] = is_floor ? i == 2 : from_centre[i] + distance * w[i];
     return is_floor ? floor_distance : hits ? distance : 0;
 }
 
@@ -45,16 +46,16 @@ static double sky(const double* w, int channel) { return 0.35 + (channel == 2 ? 
 static double sun_pdf(const double* w) { return dot(w, k_sun) > k_cosine ? 1 / (2 * k_pi * (1 - k_cosine)) : 0; }
 
 static void trace(const srbf_brdf* brdf, double* at, double* ray, double* radiance) {
-    double through[3] = {1, 1, 1}, chance = 1;  // `chance` is the share of the sun that the sampled ray counts
+    double throughput[3] = {1, 1, 1}, sun_share = 1;  // `sun_share`: the share of the sun's light that the ray counts
     for (int depth = 0; depth < k_depth; ++depth) {
         double frame[3][3], sun[3][3], w[3], normal[3], back[3];
         const double distance = intersect(at, ray, frame[2]);
         for (int c = 0; c < 3 && distance == 0; ++c)
-            radiance[c] += through[c] * (sky(ray, c) + (sun_pdf(ray) > 0 ? k_bright * chance : 0));
+            radiance[c] += throughput[c] * (sky(ray, c) + (sun_pdf(ray) > 0 ? k_bright * sun_share : 0));
         if (distance == 0) return;
         for (int i = 0; i < 3; ++i) at[i] += distance * ray[i], back[i] = -ray[i];
         if (fabs(at[2]) < 1e-6 && (((int)floor(2 * at[0]) + (int)floor(2 * at[1])) & 1))
-            for (int c = 0; c < 3; ++c) through[c] *= 0.3;  // a dark square
+            for (int c = 0; c < 3; ++c) throughput[c] *= 0.3;  // a dark square
         make_frame(frame), memcpy(sun[2], k_sun, sizeof k_sun), make_frame(sun);
         float wv[3], wl[3], f[3], cone[3], u[3];
         const double z = 1 - uniform() * (1 - k_cosine), r = sqrt(1 - z * z), phi = 2 * k_pi * uniform();
@@ -64,14 +65,14 @@ static void trace(const srbf_brdf* brdf, double* at, double* ray, double* radian
         const double pdf = (double)srbf_value_pdf(brdf, wl, wv, f);
         if (intersect(at, w, normal) == 0)
             for (int c = 0; c < 3; ++c)
-                radiance[c] += through[c] * (double)f[c] * fabs((double)wl[2]) * k_bright / (sun_pdf(k_sun) + pdf);
+                radiance[c] += throughput[c] * (double)f[c] * fabs((double)wl[2]) * k_bright / (sun_pdf(k_sun) + pdf);
         srbf_light light;
         u[0] = (float)uniform(), u[1] = (float)uniform(), u[2] = (float)uniform();
         srbf_sample(brdf, wv, u, &light);
         if (!(light.pdf > 0) && !light.is_beam) return;
         to_world(frame, light.wl, ray);
-        chance = light.is_beam ? 1 : (double)light.pdf / ((double)light.pdf + sun_pdf(ray));
-        for (int c = 0; c < 3; ++c) through[c] *= (double)light.weight[c];
+        sun_share = light.is_beam ? 1 : (double)light.pdf / ((double)light.pdf + sun_pdf(ray));
+        for (int c = 0; c < 3; ++c) throughput[c] *= (double)light.weight[c];
     }
 }
 static unsigned char model[1 << 22], memory[1 << 24];
@@ -80,8 +81,10 @@ int main(int count, char** arguments) {
     const int samples = count > 3 ? atoi(arguments[3]) : 64;
     const size_t size = file ? fread(model, 1, sizeof model, file) : 0;
     srbf_brdf* brdf;
-    if (samples > 0 && srbf_open(model, size, memory, sizeof memory, &brdf, 0) == SRBF_OK) picture = fopen(arguments[2], "wb");
-    if (!picture) return fprintf(stderr, "usage: path_tracer MODEL PICTURE.ppm [SAMPLES], of a model that can be read\n"), 1;
+    if (samples > 0 && srbf_open(model, size, memory, sizeof memory, &brdf, 0) == SRBF_OK)
+        picture = fopen(arguments[2], "wb");
+    if (!picture)
+        return fprintf(stderr, "usage: path_tracer MODEL PICTURE.ppm [SAMPLES], of a model that can be read\n"), 1;
     srbf_prepare(brdf);
     fprintf(picture, "P6\n%d %d\n255\n", k_width, k_height);
     for (int pixel = 0; pixel < k_width * k_height; ++pixel) {

@@ -32,14 +32,15 @@ struct Hit {
     Vec3f normal;
 };
 Hit intersect(Vec3f from, Vec3f w) {
-    const Vec3f apart = from - Vec3f{0, 1, 0};
-    const float b = dot(apart, w), root = b * b - dot(apart, apart) + 1;
+    const Vec3f from_centre = from - Vec3f{0, 1, 0};
+    const float b = dot(from_centre, w), root = b * b - dot(from_centre, from_centre) + 1;
     const float ball = root > 0 ? -b - std::sqrt(root) : 0, floor = w.y < 0 ? -from.y / w.y : 0;
-    if (ball > 1e-3f && (floor < 1e-3f || ball < floor)) return {ball, normalize(apart + ball * w)};
+    if (ball > 1e-3f && (floor < 1e-3f || ball < floor)) return {ball, normalize(from_centre + ball * w)};
     return {floor < 1e-3f ? 0 : floor, {0, 1, 0}};
 }
 
-// A sky with a sun, whose directions are sampled with the density k_sun_pdf. `share` is the part of its light that counts.
+// A sky with a sun, whose directions are sampled with the density k_sun_pdf. `share` is the part of the sun's light that
+// counts.
 const Frame k_sun(normalize(Vec3f{0.5f, 0.65f, 0.55f}));
 constexpr float k_radiance = 25, k_cosine = 0.985f, k_sun_pdf = 1 / (2 * k_pi * (1 - k_cosine));
 Rgb sky(Vec3f w, float share) {
@@ -49,30 +50,31 @@ Rgb sky(Vec3f w, float share) {
 
 /// An estimate of the radiance that arrives at `at` from the direction w.
 template <typename Random> Rgb trace(const srbf::PreparedBrdf& brdf, Vec3f at, Vec3f w, Random&& random) {
-    Rgb sum{}, through{1, 1, 1};
+    Rgb sum{}, throughput{1, 1, 1};
     for (float share = 1;;) {
         const Hit hit = intersect(at, w);
-        if (hit.distance == 0) return sum + through * sky(w, share);
+        if (hit.distance == 0) return sum + throughput * sky(w, share);
         at = at + hit.distance * w;
         const Frame frame(hit.normal);
         const Vec3f wv = frame.to_local(-1.f * w);
-        if (hit.normal.y == 1 && (int(std::floor(2 * at.x)) + int(std::floor(2 * at.z))) % 2) through = 0.3f * through;
+        if (hit.normal.y == 1 && (int(std::floor(2 * at.x)) + int(std::floor(2 * at.z))) % 2)
+            throughput = 0.3f * throughput;
 
         // The sun, unless something is before it: its light, weighted by the density that the model has for it.
         const float z = 1 - random() * (1 - k_cosine), r = std::sqrt(1 - z * z), phi = 2 * k_pi * random();
         const Vec3f to_sun = k_sun.to_world({r * std::cos(phi), r * std::sin(phi), z}), wl = frame.to_local(to_sun);
         if (wl.z > 0 && intersect(at, to_sun).distance == 0) {
             const srbf::ValuePdf f = srbf::value_pdf(brdf, wl, wv);  // NaN where a measurement has no value
-            if (f.value.g >= 0) sum = sum + k_radiance * wl.z / (k_sun_pdf + f.pdf) * through * f.value;
+            if (f.value.g >= 0) sum = sum + k_radiance * wl.z / (k_sun_pdf + f.pdf) * throughput * f.value;
         }
         // The path goes on in a direction that the model samples. It ends by chance if it carries little light.
         const float x = random(), y = random(), selector = random();
         const srbf::LightSample s = srbf::sample(brdf, wv, {x, y}, selector);
         if (!(s.pdf > 0)) return sum;
-        through = through * s.weight;
-        const float survival = std::min(0.95f, std::max({through.r, through.g, through.b}));
+        throughput = throughput * s.weight;
+        const float survival = std::min(0.95f, std::max({throughput.r, throughput.g, throughput.b}));
         if (random() >= survival) return sum;
-        through = (1 / survival) * through, share = s.pdf / (s.pdf + k_sun_pdf), w = frame.to_world(s.wl);
+        throughput = (1 / survival) * throughput, share = s.pdf / (s.pdf + k_sun_pdf), w = frame.to_world(s.wl);
     }
 }
 

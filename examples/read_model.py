@@ -24,7 +24,7 @@ def load(path: str) -> tuple[dict[str, Array], dict[str, str]]:
 
 def value(tensors: dict[str, Array], metadata: dict[str, str], wl: Array, wv: Array) -> Array:
     """f_r [1/sr] of an axial model at rows of unit vectors, wl to the light and wv to the viewer: RGB, or a column a wavelength."""
-    if metadata["form"] == "reciprocal":  # the mean of an extended sum, and of the same with light and viewer exchanged
+    if metadata["form"] == "reciprocal":  # the mean of an extended sum at both orders of light and viewer
         one = {**metadata, "form": "extended"}
         return (value(tensors, one, wl, wv) + value(tensors, one, wv, wl)) / 2
     h = (wl + wv) / np.linalg.norm(wl + wv, axis=1, keepdims=True)
@@ -38,8 +38,8 @@ def value(tensors: dict[str, Array], metadata: dict[str, str], wl: Array, wv: Ar
     if metadata["form"] != "source":
         x = [np.log(wl[:, 2]) + np.log(wv[:, 2])]
         if metadata["form"] == "extended":
-            sin_h, apart = np.hypot(h[:, 0], h[:, 1]), wl[:, 2] - wv[:, 2]
-            x += [np.sum(wl * h, axis=1) - 1, 0.05 - np.sqrt(apart**2 + sin_h**2 / 16 + 0.0025), -sin_h]
+            sin_h, difference = np.hypot(h[:, 0], h[:, 1]), wl[:, 2] - wv[:, 2]
+            x += [np.sum(wl * h, axis=1) - 1, 0.05 - np.sqrt(difference**2 + sin_h**2 / 16 + 0.0025), -sin_h]
         log += tensors["exponent"] @ np.array(x)
     f: Array = np.exp(log).T @ tensors["coefficient"]
     return f

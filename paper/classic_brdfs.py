@@ -3,13 +3,13 @@
 Prints the visible error of ABC by each loss and weight below. Needs the package `srbf` (PYTHONPATH=build/release/python)
 and NumPy. The fits are our own: Levenberg-Marquardt from several starts, without random numbers. ABC is the model of
 Löw, Kronander, Ynnerman and Unger, BRDF Models for Accurate and Efficient Rendering of Glossy Surfaces, 2012,
-https://doi.org/10.1145/2077341.2077350; sized_brdfs.py has the networks.
+https://doi.org/10.1145/2077341.2077350; brdf_families.py has the networks.
 """
 import sys
 from typing import NamedTuple
 
 import numpy as np
-import sized_brdfs
+import brdf_families
 
 MAX_THETA = 80  # [degrees], for the pairs of a fit and for errors
 # [degrees], for the pairs of networks, which are undefined beyond. The limit with the smaller visible error counts.
@@ -81,7 +81,7 @@ class Abc:
                     yield with_scales(Abc, x, f, angle, slice(0, 3), slice(3, 6))
 
 
-MODELS = {"abc": Abc, **{f"network-{width}": sized_brdfs.Network(Parameter, width) for width in (4, 6)}}
+MODELS = {"abc": Abc, **{f"network-{width}": brdf_families.Network(Parameter, width) for width in (4, 6)}}
 LOSSES = {  # the function of f that a fit compares, and its derivative
     "log": (lambda f, cos_l: np.log1p(f * cos_l), lambda f, cos_l: cos_l / (1 + f * cos_l)),  # the loss of Löw et al.
     "cube-root": (lambda f, cos_l: np.cbrt(f + 1e-4), lambda f, cos_l: np.cbrt(f + 1e-4) ** -2 / 3),

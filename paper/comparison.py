@@ -9,53 +9,60 @@ import math
 import os
 import statistics
 import sys
+import typing
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 CSV, FURTHER, PAGE, PLOT, ACCURACY, CHOOSING, PAPER = (os.path.join(HERE, "..", "docs", name) for name in (
     "comparison.csv", "further_tables.csv", "comparison.md", "comparison.svg", "accuracy.md", "choosing.md", "paper.md"))
-# The names of the models, and their curves in the plot.
+
+
+class Model(typing.NamedTuple):
+    curve: str | None  # in the plot
+    label: str | None = None  # of its rows and columns; None if only some tables have the model, under labels of their own
+    by_material: bool = False  # it is in the tables by file and by kind
+    measured_only: bool = False  # it has rows for the measurements alone
+
+
+def sized(curve, name, sizes):
+    """Models of several sizes, which have rows for the measurements alone."""
+    return {name.format(size): Model(curve, measured_only=True) for size in sizes}
+
+
+# All models, in the order of columns.
 MODELS = {
-    "ggx": ("Lambert, 1 GGX", "GGX"),
-    "ggx-2": ("Lambert, 2 GGX", "GGX"),
-    "abc": ("ABC, our fit ‡", "ABC"),
-    "openpbr": ("OpenPBR", "OpenPBR"),
-    "nbrdf": ("NBRDF, 32-bit floats", None),
-    "nps": ("neural process", "neural process"),
-    "srbf-4": ("srbf, 4 lobes", "srbf"),
-    "srbf": ("srbf, 9 lobes", "srbf"),
-    "srbf-16": ("srbf, 16 lobes", "srbf"),
-    "as-measured-8": ("8 lobes, not reciprocal", "as measured"),
-    "su": ("view by view, 5 lobes", "view by view"),
+    "ggx": Model("GGX", "Lambert, 1 GGX"),
+    "ggx-2": Model("GGX", "Lambert, 2 GGX", by_material=True),
+    "abc": Model("ABC", "ABC, our fit ‡"),
+    "openpbr": Model("OpenPBR", "OpenPBR", by_material=True),
+    "nbrdf": Model(None, "NBRDF, 32-bit floats", by_material=True, measured_only=True),
+    "nps": Model("neural process", "neural process", by_material=True, measured_only=True),
+    "srbf-4": Model("srbf", "srbf, 4 lobes", by_material=True),
+    "srbf": Model("srbf", "srbf, 9 lobes", by_material=True),
+    "srbf-16": Model("srbf", "srbf, 16 lobes", by_material=True),
+    "as-measured-8": Model("as measured", "8 lobes, not reciprocal", by_material=True),
+    "su": Model("view by view", "view by view, 5 lobes"),
+    **sized("srbf", "srbf-{}", (1, 2, 6, 32)),
+    **sized("GTR lobes", "gtr-{}-pictures", (1, 2, 3, 6)),
+    **sized("cosine lobes", "lafortune-{}-pictures", (1, 3, 8)),
+    **sized("small network", "network-{}-pictures", (2, 4, 6, 9)),
+    **sized("small network, ∛f", "network-{}", (4, 6)),
+    **sized("principal components", "pca-{}", (4, 8, 16)),
+    "nbrdf-16": Model("NBRDF", measured_only=True),
+    **{f"as-measured-{lobes}": Model("as measured") for lobes in (4, 12, 16)},
+    "cosine": Model(None),
+    "log": Model(None),
+    "cube-root": Model("as measured, ∛f"),
 }
-# Models of several sizes, and their curves. They have rows for the measurements alone.
-SIZED = {
-    **{f"srbf-{lobes}": "srbf" for lobes in (1, 2, 6, 32)},
-    **{f"gtr-{lobes}-pictures": "GTR lobes" for lobes in (1, 2, 3, 6)},
-    **{f"lafortune-{lobes}-pictures": "cosine lobes" for lobes in (1, 3, 8)},
-    **{f"network-{width}-pictures": "small network" for width in (2, 4, 6, 9)},
-    **{f"network-{width}": "small network, ∛f" for width in (4, 6)},
-    **{f"pca-{count}": "principal components" for count in (4, 8, 16)},
-}
-# Models of the plot that no table names.
-PLOTTED = {"nbrdf-16": "NBRDF", **{f"as-measured-{lobes}": "as measured" for lobes in (4, 12, 16)}, "cube-root": "as measured, ∛f"}
-CURVE_OF = {**{model: curve for model, (_, curve) in MODELS.items()}, **SIZED, **PLOTTED}
-COLOURS = {"srbf": "#c0392b", "as measured": "#e59866", "as measured, ∛f": "#e59866", "view by view": "#e08e0b",
-           "GGX": "#2471a3", "OpenPBR": "#17a589", "ABC": "#b7950b",
-           "NBRDF": "#7d3c98", "neural process": "#5d6d7e", "GTR lobes": "#5dade2", "cosine lobes": "#52be80",
-           "small network": "#a569bd", "small network, ∛f": "#a569bd", "principal components": "#7f8c8d"}
-# Curves of models that minimise errors of cube roots.
-SQUARES = {"as measured, ∛f", "ABC", "small network, ∛f"}
-# Curves of models that minimise another loss without pixels.
-TRIANGLES = {"view by view", "NBRDF", "neural process", "principal components"}
-# Models that only the table of means adds.
-MEANS_ALONE = {"network-6-pictures": "small network, 6 neurons", "as-measured-16": "16 lobes, not reciprocal",
-               "nbrdf-16": "NBRDF, rounded to 16-bit floats"}
-# Models that the table by file has after the others.
-MEASURED_ALONE = {"network-6-pictures": "small network, 186 bytes", "as-measured-16": "16 lobes, not reciprocal"}
-# Models in the tables by file and by kind.
-BY_MATERIAL = {"ggx-2", "openpbr", "nbrdf", "nps", "srbf-4", "srbf", "srbf-16", "as-measured-8"}
-# Published networks. They have rows for the measurements alone.
-NEURAL = {"nbrdf", "nbrdf-16", "nps"}
+# The losses that models minimise: pixels of pictures and values, errors of cube roots, or another loss of values.
+PIXELS, CUBE_ROOTS, VALUES = "minimises pixels of pictures and values", "minimises errors of cube roots", "minimises another loss of values"
+# The colour and the loss of each curve.
+CURVES = {"srbf": ("#c0392b", PIXELS), "as measured": ("#e59866", PIXELS), "as measured, ∛f": ("#e59866", CUBE_ROOTS),
+          "view by view": ("#e08e0b", VALUES), "GGX": ("#2471a3", PIXELS), "OpenPBR": ("#17a589", PIXELS), "ABC": ("#b7950b", CUBE_ROOTS),
+          "NBRDF": ("#7d3c98", VALUES), "neural process": ("#5d6d7e", VALUES), "GTR lobes": ("#5dade2", PIXELS),
+          "cosine lobes": ("#52be80", PIXELS), "small network": ("#a569bd", PIXELS), "small network, ∛f": ("#a569bd", CUBE_ROOTS),
+          "principal components": ("#7f8c8d", VALUES)}
+# Curves of models whose materials share further numbers.
+SHARING_CURVES = {"neural process", "principal components"}
 # The measurements and their short names.
 MEASURED = {"cc_ibiza_sunset": "film", "cg_sunflower": "sunflower", "colodur_napoli_4f": "napoli", "paper_white": "paper",
             "vch_golden_yellow": "yellow"}
@@ -82,21 +89,23 @@ def table(heads, lines):
     return "\n".join("| " + " | ".join(line) + " |" for line in [heads, ["---"] * len(heads), *lines])
 
 
-def of_model(rows, model):
+def rows_of_model(rows, model):
     return [row for row in rows if row["model"] == model]
 
 
-def of_measured(rows):
+def measured_rows(rows):
     return [row for row in rows if row["material"] in MEASURED]
 
 
-def without_measured_alone(rows):
-    return [row for row in rows if row["model"] not in NEURAL and row["model"] not in SIZED]
+def rows_of_all_materials(rows):
+    """The rows without those of models that have rows for the measurements alone."""
+    return [row for row in rows if not MODELS[row["model"]].measured_only]
 
 
 def models_in(rows):
+    """The models with a label that have rows, in the order of columns."""
     present = {row["model"] for row in rows}
-    return [model for model in MODELS if model in present]
+    return [model for model in MODELS if model in present and MODELS[model].label]
 
 
 def mean(rows, key):
@@ -120,41 +129,48 @@ def with_bold_least(values):
     return [f"**{text(value)}**" if text(value) == text(min(values)) else text(value) for value in values]
 
 
+MEANS_EXTRA_LABELS = {"network-6-pictures": "small network, 6 neurons", "as-measured-16": "16 lobes, not reciprocal",
+                      "nbrdf-16": "NBRDF, rounded to 16-bit floats"}
+
+
 def means_table(rows):
     """A row for each model, in order of bytes: its bytes and mean errors."""
     names, values = [], []
-    by_model = {model: of_model(rows, model) for model in [*models_in(rows), *MEANS_ALONE]}
+    by_model = {model: rows_of_model(rows, model) for model in [*models_in(rows), *MEANS_EXTRA_LABELS]}
     for model in sorted(by_model, key=lambda model: max(row["payload"] + row["shared"] for row in by_model[model])):
         shared = f" + {text(by_model[model][0]['shared'])} shared" if by_model[model][0]["shared"] else ""
         payload = text(max(row["payload"] for row in by_model[model]))
-        names.append([marked(model, MEANS_ALONE.get(model) or MODELS[model][0]), payload + shared])
+        names.append([marked(model, MEANS_EXTRA_LABELS.get(model) or MODELS[model].label), payload + shared])
         values.append([mean(by_model[model], key) for key in COLUMNS])
     return table(["model", "bytes", "ΔE_ITP", "worst light", "ꟻLIP", "PSNR, dB", "RMS", "relative", "albedo"],
                  with_bold_best(names, values, {COLUMNS.index("psnr")}))
 
 
 def range_of_default(rows):
-    errors = [row["delta_e_itp"] for row in of_model(rows, "srbf")]
+    errors = [row["delta_e_itp"] for row in rows_of_model(rows, "srbf")]
     return [text(min(errors)), text(max(errors))]
 
 
 def kinds_table(rows):
-    models = [model for model in models_in(rows) if model in BY_MATERIAL]
+    models = [model for model in models_in(rows) if MODELS[model].by_material]
     lines = []
     for kind in sorted({row["kind"] for row in rows}):
-        of_kind = [row for row in rows if row["kind"] == kind]
-        errors = [mean(of_model(of_kind, model), "delta_e_itp") for model in models]
-        lines.append([kind, str(len(of_model(of_kind, "srbf")))] + with_bold_least(errors) + range_of_default(of_kind))
-    lines.append(["all", str(len(of_model(rows, "srbf")))] + with_bold_least([mean(of_model(rows, model), "delta_e_itp") for model in models])
+        kind_rows = [row for row in rows if row["kind"] == kind]
+        errors = [mean(rows_of_model(kind_rows, model), "delta_e_itp") for model in models]
+        lines.append([kind, str(len(rows_of_model(kind_rows, "srbf")))] + with_bold_least(errors) + range_of_default(kind_rows))
+    lines.append(["all", str(len(rows_of_model(rows, "srbf")))] + with_bold_least([mean(rows_of_model(rows, model), "delta_e_itp") for model in models])
                  + range_of_default(rows))
-    lines.append(["median of all", ""] + with_bold_least([statistics.median(row["delta_e_itp"] for row in of_model(rows, model)) for model in models])
+    lines.append(["median of all", ""] + with_bold_least([statistics.median(row["delta_e_itp"] for row in rows_of_model(rows, model)) for model in models])
                  + ["", ""])
-    return table(["kind", "materials"] + [MODELS[model][0] for model in models] + ["9 lobes, least", "9 lobes, largest"], lines)
+    return table(["kind", "materials"] + [MODELS[model].label for model in models] + ["9 lobes, least", "9 lobes, largest"], lines)
+
+
+MEASURED_EXTRA_LABELS = {"network-6-pictures": "small network, 186 bytes", "as-measured-16": "16 lobes, not reciprocal"}
 
 
 def measured_table(rows):
     """ΔE_ITP of each measurement by all models."""
-    names = {**{model: MODELS[model][0] for model in models_in(rows) if model in BY_MATERIAL}, **MEASURED_ALONE}
+    names = {**{model: MODELS[model].label for model in models_in(rows) if MODELS[model].by_material}, **MEASURED_EXTRA_LABELS}
     lines = []
     for material in MEASURED:
         by_model = {row["model"]: row for row in rows if row["material"] == material}
@@ -162,18 +178,18 @@ def measured_table(rows):
     return table(["measurement", *names.values()], lines)
 
 
-OF_EQUAL_BYTES = {"srbf-4": "srbf, 4 lobes", "gtr-6-pictures": "6 GTR lobes", "lafortune-8-pictures": "8 cosine lobes",
-                  "network-4-pictures": "small network, 4 neurons", "srbf-6": "srbf, 6 lobes",
-                  "network-6-pictures": "small network, 6 neurons", "network-6": "the same, ∛f",
-                  "srbf": "srbf, 9 lobes", "network-9-pictures": "small network, 9 neurons", "nbrdf-16": "NBRDF, rounded"}
+EQUAL_BYTES_LABELS = {"srbf-4": "srbf, 4 lobes", "gtr-6-pictures": "6 GTR lobes", "lafortune-8-pictures": "8 cosine lobes",
+                      "network-4-pictures": "small network, 4 neurons", "srbf-6": "srbf, 6 lobes",
+                      "network-6-pictures": "small network, 6 neurons", "network-6": "the same, ∛f",
+                      "srbf": "srbf, 9 lobes", "network-9-pictures": "small network, 9 neurons", "nbrdf-16": "NBRDF, rounded"}
 
 
 def equal_bytes_table(rows):
     """Means of all measures over the measurements, for models of similar sizes, and the median of squared errors, because one file
     determines their mean."""
     names, values = [], []
-    for model, name in OF_EQUAL_BYTES.items():
-        model_rows = of_model(rows, model)
+    for model, name in EQUAL_BYTES_LABELS.items():
+        model_rows = rows_of_model(rows, model)
         names.append([marked(model, name), text(model_rows[0]["payload"])])
         squared_errors = [row["heldout_squared_error_ratio_cosine"] for row in model_rows]
         values.append([mean(model_rows, key) for key in MEASURES] + [statistics.median(squared_errors)])
@@ -181,7 +197,7 @@ def equal_bytes_table(rows):
                  with_bold_best(names, values, {list(MEASURES).index("psnr")}))
 
 
-NETWORKS = {"nbrdf": "NBRDF, 32-bit floats", "nps": "neural process", "network-6-pictures": "small network, 186 bytes"}
+MEASURES_LABELS = {"nbrdf": "NBRDF, 32-bit floats", "nps": "neural process", "network-6-pictures": "small network, 186 bytes"}
 
 
 def measures_table(rows):
@@ -190,18 +206,21 @@ def measures_table(rows):
     for key, name in MEASURES.items():
         sign = -1 if key == "psnr" else 1
         cells = []
-        for model in NETWORKS:
-            default, other = [{row["material"]: sign * row[key] for row in of_model(rows, compared)} for compared in ("srbf", model)]
+        for model in MEASURES_LABELS:
+            default, other = [{row["material"]: sign * row[key] for row in rows_of_model(rows, compared)} for compared in ("srbf", model)]
             smaller = [material for material in MEASURED if other[material] < default[material]]
             cells.append("all five" if len(smaller) == len(MEASURED) else ", ".join(MEASURED[material] for material in smaller) or "none")
         lines.append([name] + cells)
-    return table(["measure", *NETWORKS.values()], lines)
+    return table(["measure", *MEASURES_LABELS.values()], lines)
+
+
+NETWORKS_LABELS = {"nbrdf-16": "NBRDF, 1,350 bytes", "srbf": "nine lobes, 210 bytes", "network-6-pictures": "network, 186 bytes"}
 
 
 def networks_table(rows):
     """Means of the default and of networks, and in brackets their means without the film. The best are bold."""
-    models = {"nbrdf-16": "NBRDF, 1,350 bytes", "srbf": "nine lobes, 210 bytes", "network-6-pictures": "network, 186 bytes"}
-    all_lines, others = ([[mean(of_model(some_rows, model), key) for key in COLUMNS] for model in models]
+    models = NETWORKS_LABELS
+    all_lines, others = ([[mean(rows_of_model(some_rows, model), key) for key in COLUMNS] for model in models]
                          for some_rows in (rows, [row for row in rows if row["material"] != "cc_ibiza_sunset"]))
     all_lines, others = (with_bold_best([[]] * len(models), values, {COLUMNS.index("psnr")}) for values in (all_lines, others))
     lines = [[name] + [f"{with_film} ({without_film})" for with_film, without_film in zip(line, other)]
@@ -209,69 +228,69 @@ def networks_table(rows):
     return table(["model", "ΔE_ITP", "worst light", "ꟻLIP", "PSNR, dB", "RMS of radiance", "relative error", "albedo error"], lines)
 
 
-OPTIONS = {"srbf": "**none**", "as-measured-8": "`--as-measured`",
-           "cosine": "`--as-measured --objective cosine`", "log": "`--as-measured --objective log`",
-           "cube-root": "`--as-measured --objective cube-root`", "su": "`--model su --lobes 5`"}
+OPTION_LABELS = {"srbf": "**none**", "as-measured-8": "`--as-measured`",
+                 "cosine": "`--as-measured --objective cosine`", "log": "`--as-measured --objective log`",
+                 "cube-root": "`--as-measured --objective cube-root`", "su": "`--model su --lobes 5`"}
 
 
 def options_table(rows):
     """Errors of the program's options on the five measurements and on all materials."""
     lines = []
-    for model, name in OPTIONS.items():
-        model_rows = of_model(rows, model)
+    for model, name in OPTION_LABELS.items():
+        model_rows = rows_of_model(rows, model)
         columns = ["delta_e_itp", "flip", "psnr", "rms", "heldout_squared_error_ratio_cosine", "heldout_cube_root_error_ratio", "albedo_error"]
         percent = {"heldout_squared_error_ratio_cosine", "heldout_cube_root_error_ratio", "albedo_error"}
-        lines.append([name, text(max(row["payload"] for row in model_rows)), text(mean(of_measured(model_rows), "delta_e_itp"))]
+        lines.append([name, text(max(row["payload"] for row in model_rows)), text(mean(measured_rows(model_rows), "delta_e_itp"))]
                      + [text(mean(model_rows, key) * (100 if key in percent else 1)) for key in columns])
     return table(["options", "bytes", "ΔE_ITP, five", "ΔE_ITP, all", "ꟻLIP", "PSNR, dB", "RMS", "f cosθl ≤ 80°, %",
                   "cube root ≤ 80°, %", "albedo ≤ 80°, %"], lines)
 
 
-SIZES = {"ggx-2": "Lambert and two GGX lobes", "openpbr": "parameters of OpenPBR", "srbf-4": "4 lobes", "srbf": "**9 lobes**", "srbf-16": "16 lobes",
-         "as-measured-8": "8 lobes, not reciprocal", "as-measured-16": "16 lobes, not reciprocal"}
+SIZE_LABELS = {"ggx-2": "Lambert and two GGX lobes", "openpbr": "parameters of OpenPBR", "srbf-4": "4 lobes", "srbf": "**9 lobes**", "srbf-16": "16 lobes",
+               "as-measured-8": "8 lobes, not reciprocal", "as-measured-16": "16 lobes, not reciprocal"}
 
 
 def sizes_table(rows):
     """ΔE_ITP by size, for all materials and for the five measurements."""
     lines = []
-    for model, name in SIZES.items():
-        model_rows = of_model(rows, model)
+    for model, name in SIZE_LABELS.items():
+        model_rows = rows_of_model(rows, model)
         errors = [row["delta_e_itp"] for row in model_rows]
         lines.append([name, text(max(row["payload"] for row in model_rows))]
                      + [text(value) for value in (statistics.fmean(errors), statistics.median(errors), max(errors),
-                                                  mean(of_measured(model_rows), "delta_e_itp"))])
+                                                  mean(measured_rows(model_rows), "delta_e_itp"))])
     return table(["model", "bytes", "mean", "median", "largest", "mean of the five measurements"], lines)
 
 
 def stand_ins_table(rows):
     """Errors of the default and of fits as measured on the stand-ins, which are reciprocal."""
     rest = [row for row in rows if row["material"] not in MEASURED]
-    default, other = ({row["material"]: row["delta_e_itp"] for row in of_model(rest, model)} for model in ("srbf", "as-measured-8"))
+    default, other = ({row["material"]: row["delta_e_itp"] for row in rows_of_model(rest, model)} for model in ("srbf", "as-measured-8"))
     lines = []
     for model, errors, against in (("srbf", default, other), ("as-measured-8", other, default)):
         larger = [material for material in sorted(errors) if errors[material] > 1.1 * against[material]]
         names = "".join(f", {material} ({text(errors[material])} and {text(against[material])})" for material in larger) if model == "srbf" else ""
-        lines.append([MODELS[model][0], text(statistics.fmean(errors.values())), text(statistics.median(errors.values())),
+        lines.append([MODELS[model].label, text(statistics.fmean(errors.values())), text(statistics.median(errors.values())),
                       str(sum(errors[material] < against[material] for material in errors)), str(len(larger)) + names.replace(", ", ": ", 1)])
     return table(["model", "mean of the stand-ins", "median", "smaller error on", "larger by more than a tenth on"], lines)
 
 
 def further_table(rows):
     """Errors on the tables by which no constant was chosen."""
-    errors = {model: sorted(row["delta_e_itp"] for row in of_model(rows, model)) for model in models_in(rows)}
+    errors = {model: sorted(row["delta_e_itp"] for row in rows_of_model(rows, model)) for model in models_in(rows)}
     lines = []
     for model, values in errors.items():
         measures = (statistics.fmean(values), statistics.median(values), values[len(values) * 95 // 100], values[-1])
-        lines.append([MODELS[model][0]] + [text(value) for value in measures])
+        lines.append([MODELS[model].label] + [text(value) for value in measures])
     return table(["model", "mean", "median", "95 %", "largest"], lines)
 
 
-def mark(x, y, colour, curve, hollow=False):
-    """A disc, a square or a triangle, by the loss of the curve's models. It is hollow if materials share further numbers."""
+def mark(x, y, colour, loss, hollow=False):
+    """A disc, a square or a triangle, by the loss. It is hollow if materials share further numbers."""
     fill = f'fill="#fff" stroke="{colour}" stroke-width="2"' if hollow else f'fill="{colour}"'
-    if curve in SQUARES:
+    if loss == CUBE_ROOTS:
         return f'<rect x="{x - 4:.1f}" y="{y - 4:.1f}" width="8" height="8" {fill}/>'
-    if curve in TRIANGLES:
+    if loss == VALUES:
         return f'<path d="M{x:.1f} {y - 5:.1f}l5 9h-10z" {fill}/>'
     return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" {fill}/>'
 
@@ -279,8 +298,8 @@ def mark(x, y, colour, curve, hollow=False):
 def points_of(rows, curve):
     """The mean payload, mean ΔE_ITP and shared bytes of a curve's models, in order of bytes."""
     present = {row["model"] for row in rows}
-    of_models = [of_model(rows, model) for model, name in CURVE_OF.items() if name == curve and model in present]
-    return sorted((mean(model_rows, "payload"), mean(model_rows, "delta_e_itp"), model_rows[0]["shared"]) for model_rows in of_models)
+    by_model = [rows_of_model(rows, name) for name, model in MODELS.items() if model.curve == curve and name in present]
+    return sorted((mean(model_rows, "payload"), mean(model_rows, "delta_e_itp"), model_rows[0]["shared"]) for model_rows in by_model)
 
 
 def panel(rows, title, x0, y0, width, height):
@@ -296,12 +315,12 @@ def panel(rows, title, x0, y0, width, height):
     for value in (1, 3, 10, 30):
         parts.append(f'<path d="M{x0} {y(value):.1f}h{width}" stroke="#eee"/>'
                      f'<text x="{x0 - 6}" y="{y(value) + 4:.1f}" text-anchor="end">{value}</text>')
-    for curve, colour in COLOURS.items():
+    for curve, (colour, loss) in CURVES.items():
         points = [(x(size), y(error), shared) for size, error, shared in points_of(rows, curve)]
         line = " ".join(f"{a:.1f},{b:.1f}" for a, b, _ in points)
         parts.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="2"/>')
         for a, b, shared in points:
-            parts.append(mark(a, b, colour, curve, bool(shared)))
+            parts.append(mark(a, b, colour, loss, bool(shared)))
         if points and points[-1][2]:
             a, b, shared = points[-1]
             parts.append(f'<text x="{a + 9:.1f}" y="{b + 4:.1f}" font-size="11" fill="{colour}">+ {text(shared)} shared</text>')
@@ -309,19 +328,17 @@ def panel(rows, title, x0, y0, width, height):
 
 
 def plot(rows):
-    rest = without_measured_alone(rows)
+    rest = rows_of_all_materials(rows)
     kinds = sorted({row["kind"] for row in rows})
-    parts = [panel(of_measured(rows), "five measurements", 50, 40, 470, 430)]
+    parts = [panel(measured_rows(rows), "five measurements", 50, 40, 470, 430)]
     for i, kind in enumerate(kinds):
         kind_rows = [row for row in rest if row["kind"] == kind]
-        parts.append(panel(kind_rows, f"{kind} ({len(of_model(kind_rows, 'srbf'))})", 580 + 215 * (i % 3), 40 + 250 * (i // 3), 165, 180))
-    for i, (curve, colour) in enumerate(COLOURS.items()):
+        parts.append(panel(kind_rows, f"{kind} ({len(rows_of_model(kind_rows, 'srbf'))})", 580 + 215 * (i % 3), 40 + 250 * (i // 3), 165, 180))
+    for i, (curve, (colour, loss)) in enumerate(CURVES.items()):
         left, top = 30 + 150 * (i % 8), 530 + 24 * (i // 8)
-        hollow = curve in ("neural process", "principal components")
-        parts.append(mark(left, top - 4, colour, curve, hollow) + f'<text x="{left + 13}" y="{top}">{curve}</text>')
-    for i, (curve, loss) in enumerate({"srbf": "minimises pixels of pictures and values", "ABC": "minimises errors of cube roots",
-                                       "NBRDF": "minimises another loss of values"}.items()):
-        parts.append(mark(60 + 400 * i, 586, "#222", curve) + f'<text x="{73 + 400 * i}" y="590">{loss}</text>')
+        parts.append(mark(left, top - 4, colour, loss, curve in SHARING_CURVES) + f'<text x="{left + 13}" y="{top}">{curve}</text>')
+    for i, loss in enumerate((PIXELS, CUBE_ROOTS, VALUES)):
+        parts.append(mark(60 + 400 * i, 586, "#222", loss) + f'<text x="{73 + 400 * i}" y="590">{loss}</text>')
     parts.append('<text x="600" y="508" text-anchor="middle">bytes of a material, without what materials share</text>')
     parts.append('<text transform="translate(14 255) rotate(-90)" text-anchor="middle">mean ΔE_ITP</text>')
     return ('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1240 605" '
@@ -329,28 +346,28 @@ def plot(rows):
             '<rect width="1240" height="605" fill="#fff"/>\n' + "\n".join(parts) + "\n</svg>\n")
 
 
-def replaced(page, name, table_of):
+def replace_table(page, name, new_table):
     """Replaces a table, the lines that begin with | after its mark."""
     begin = page.index(f"<!-- {name} -->\n") + len(f"<!-- {name} -->\n")
     end = begin
     while page.startswith("|", end):
         end = page.index("\n", end) + 1
-    return page[:begin] + table_of + "\n" + page[end:]
+    return page[:begin] + new_table + "\n" + page[end:]
 
 
 def pages(rows):
     """The pages with their tables, by path."""
-    measured, rest = of_measured(rows), without_measured_alone(rows)
+    measured, rest = measured_rows(rows), rows_of_all_materials(rows)
     tables = {PAGE: [("measurements", measured_table(measured)), ("means of measurements", means_table(measured)),
                      ("equal bytes", equal_bytes_table(measured)), ("kinds", kinds_table(rest)), ("stand-ins", stand_ins_table(rows)),
                      ("further tables", further_table(read(FURTHER))), ("measures", measures_table(measured))],
               ACCURACY: [("options", options_table(rows))], CHOOSING: [("sizes", sizes_table(rows))], PAPER: [("networks", networks_table(measured))]}
     made = {}
-    for path, of_page in tables.items():
+    for path, page_tables in tables.items():
         with open(path, encoding="utf-8") as file:
             made[path] = file.read()
-        for name, table_of in of_page:
-            made[path] = replaced(made[path], name, table_of)
+        for name, new_table in page_tables:
+            made[path] = replace_table(made[path], name, new_table)
     return made
 
 

@@ -1,4 +1,4 @@
-"""Converts published networks for rivals.py and stand_ins.py.
+"""Converts published networks for compare_models.py and stand_ins.py.
 
 python3 paper/convert_networks.py nbrdf FILE.h5... OUT
     converts networks of Sztrajman et al. (data/merl_nbrdf.zip, data/rgl-isotropic_nbrdf.zip of asztr/Neural-BRDF) to

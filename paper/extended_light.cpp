@@ -60,7 +60,7 @@ struct ExportedLight {
         if (k >= lobes.lobes) return {0, 1, {}};
         return lobes.lobe[node * std::size_t(lobes.lobes) + std::size_t(k)];
     }
-    static float light_roughness(int, float of_view) { return of_view; }
+    static float light_roughness(int, float view_roughness) { return view_roughness; }
     Vec3 light_shape(int k, NodesAbout nodes) {
         return {between(nodes, [&](std::size_t i) { return lobe(k, i).axis; }),
                 between(nodes, [&](std::size_t i) { return lobe(k, i).roughness; }), 0};

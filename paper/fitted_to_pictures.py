@@ -1,4 +1,4 @@
-"""Fits models of sized_brdfs.py by the default objective of `srbf`, so that a comparison is one of forms and not of losses.
+"""Fits models of brdf_families.py by the default objective of `srbf`, so that a comparison is one of forms and not of losses.
 
 The loss is that of docs/fitting.md with its weights: pairs, albedos, and pixels of the same pictures. It has no overshoots, and nothing beyond 89°.
 As by default, values are those of the reciprocal mean, and pixels of the fit choose among the starts: sixteen are improved by a quarter of the data,
@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import classic_brdfs
 import numpy as np
-import sized_brdfs
+import brdf_families
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "test"))
 from support.visible_error import C1, C2, C3, M1, M2, TO_2020, TO_ITP, TO_LMS  # noqa: E402
@@ -174,15 +174,15 @@ class Loss:
         square = ((self.value(x)[:len(self.pairs.f)] - self.pairs.f) ** 2).sum(axis=1)
         weight = self.pairs.weight[0]
         loss = weight @ square
-        self.root, self.of_albedos, self.of_pixels = np.sqrt(weight)[:, None], 0, 0
+        self.root, self.albedo_weight, self.pixel_weight = np.sqrt(weight)[:, None], 0, 0
         if least is None:
             return loss
         if self.as_ggx:
-            self.of_pixels, pairs = np.sqrt(1 / len(self.target)), self.root.size
+            self.pixel_weight, pairs = np.sqrt(1 / len(self.target)), self.root.size
             self.root *= np.sqrt(0.3 * np.sum(self.residuals(x, False)[3 * pairs:] ** 2) / loss)
             return loss
-        self.of_albedos = np.sqrt(8 * min(least, 0.004) / (3 * 0.02 ** 2) / len(self.albedos))
-        self.of_pixels = np.sqrt(3.5 * least / self.delta_e(x) / len(self.target))
+        self.albedo_weight = np.sqrt(8 * min(least, 0.004) / (3 * 0.02 ** 2) / len(self.albedos))
+        self.pixel_weight = np.sqrt(3.5 * least / self.delta_e(x) / len(self.target))
         return loss
 
     def delta_e(self, x):
@@ -196,8 +196,8 @@ class Loss:
         error, pairs = shown - self.target, len(self.root)
         s = np.sqrt((error ** 2).sum(axis=1, keepdims=True) + 1)
         # The pseudo-Huber loss 2 (s - 1) is 2 / (s + 1) times the squared error.
-        of_pixels = self.of_pixels * np.sqrt(2 / (s + 1))
-        rows = [(f[:pairs] - self.pairs.f) * self.root, error * of_pixels, (albedos - self.albedos) / self.unit * self.of_albedos]
+        pixel_weight = self.pixel_weight * np.sqrt(2 / (s + 1))
+        rows = [(f[:pairs] - self.pairs.f) * self.root, error * pixel_weight, (albedos - self.albedos) / self.unit * self.albedo_weight]
         r = np.concatenate(rows).ravel()
         if not derivatives:
             return r
@@ -205,7 +205,7 @@ class Loss:
         by_colours, by_albedos = self.sums(by)
         by_error = (slope * (colours < self.limit)[:, None]) @ by_colours
         by_error -= error[..., None] * (error[:, None] @ by_error) / (2 * s * (s + 1))[..., None]
-        rows = [by[:pairs] * self.root[..., None], by_error * of_pixels[..., None], by_albedos * (self.of_albedos / self.unit)[..., None]]
+        rows = [by[:pairs] * self.root[..., None], by_error * pixel_weight[..., None], by_albedos * (self.albedo_weight / self.unit)[..., None]]
         return r, np.concatenate(rows).reshape(len(r), -1).T
 
 
@@ -227,9 +227,9 @@ def rounded(loss, x, coordinates):
     return min(results, key=lambda y: np.sum(loss.residuals(y, False) ** 2))
 
 
-MODELS = {**{f"gtr-{count}-pictures": sized_brdfs.Lobes(classic_brdfs.Parameter, count) for count in (1, 2, 3, 6)},
-          **{f"lafortune-{count}-pictures": sized_brdfs.Cosines(classic_brdfs.Parameter, count) for count in (1, 3, 8)},
-          **{f"network-{width}-pictures": sized_brdfs.Network(classic_brdfs.Parameter, width) for width in (2, 4, 6, 9)}}
+MODELS = {**{f"gtr-{count}-pictures": brdf_families.Lobes(classic_brdfs.Parameter, count) for count in (1, 2, 3, 6)},
+          **{f"lafortune-{count}-pictures": brdf_families.Cosines(classic_brdfs.Parameter, count) for count in (1, 3, 8)},
+          **{f"network-{width}-pictures": brdf_families.Network(classic_brdfs.Parameter, width) for width in (2, 4, 6, 9)}}
 
 
 def fit(brdf, name):

@@ -13,7 +13,7 @@ A run continues where the last one into the same FOLDER ended. `./run leaderboar
 several, for instance of results that others sent. Needs the package `srbf` and NumPy. Further options:
 
 --models NAME...  replaces the models ggx-2 and srbf; an unknown name lists all
---networks FOLDER, --codes FOLDER  published models, see rivals.py
+--networks FOLDER, --codes FOLDER  published models, see compare_models.py
 --protocols       adds the measures of publications for the models of srbf, and takes minutes for each material
 --environment FILE  lights the sphere of --protocols, instead of the studio
 """
@@ -30,15 +30,15 @@ import zlib
 import classic_brdfs
 import comparison
 import numpy as np
-import rivals
+import compare_models
 import srbf
 import stand_ins
 from comparison import models_in, table, text
 
 DEFAULT = ["ggx-2", "srbf"]
-NAMES = {model: name.strip("*") for model, (name, _) in comparison.MODELS.items()}
+NAMES = {name: model.label.strip("*") for name, model in comparison.MODELS.items() if model.label}
 COLOURS = ["#c0392b", "#2471a3", "#17a589", "#7d3c98", "#b7950b", "#5d6d7e", "#e67e22", "#1b2631"]
-RESULTS = ["database", "material", "model", "payload", "shared", *rivals.ERRORS]
+RESULTS = ["database", "material", "model", "payload", "shared", *compare_models.ERRORS]
 SECONDS = ["database", "material", "model", "read", "fit"]
 PROTOCOLS = ["database", "material", "model", "environment", "sphere_mae", "sphere_psnr", "pairs_mae", "pairs_smape"]
 SPHERE, PATHS, PAIRS = 512, 1024, 1_000_000
@@ -94,12 +94,12 @@ def fitted(model, name, measured, arguments, work):
     """The BRDF or function, its bytes, the bytes that all materials share, and the errors if they are known; None if there is no such fit."""
     if model == "nbrdf":
         layers = stand_ins.network_of(arguments.networks, name)
-        return layers and (rivals.network(layers), 4 * 675, 0, None)
+        return layers and (compare_models.network(layers), 4 * 675, 0, None)
     if model == "nps":
-        return rivals.decode(arguments.codes, name, work), 4 * 7, os.path.getsize(os.path.join(arguments.codes, "decoder.f32")), None
+        return compare_models.decode(arguments.codes, name, work), 4 * 7, os.path.getsize(os.path.join(arguments.codes, "decoder.f32")), None
     if model in classic_brdfs.MODELS:
         return *classic_brdfs.fit(measured, model), 0, None
-    fit = srbf.fit(measured, **rivals.FITS[model])
+    fit = srbf.fit(measured, **compare_models.FITS[model])
     return fit.model, fit.model.nbytes, 0, fit.errors
 
 
@@ -159,7 +159,7 @@ def summary(rows):
     lines = []
     for model in models_in(rows):
         model_rows = [row for row in rows if row["model"] == model]
-        errors = {key: [float(row[key]) for row in model_rows] for key in rivals.ERRORS}
+        errors = {key: [float(row[key]) for row in model_rows] for key in compare_models.ERRORS}
         shared = int(model_rows[0]["shared"])
         size = text(max(int(row["payload"]) for row in model_rows)) + (f" + {text(shared)} shared" if shared else "")
         seen = errors["delta_e_itp"]
@@ -231,7 +231,7 @@ def main():
     options.add_argument("paths", nargs="+", metavar="FILE|FOLDER")
     options.add_argument("-o", "--output", default="build/leaderboard", metavar="FOLDER")
     options.add_argument("--merge", action="store_true")
-    options.add_argument("--models", nargs="+", default=DEFAULT, choices=[name for name in NAMES if name in rivals.MODELS], metavar="NAME")
+    options.add_argument("--models", nargs="+", default=DEFAULT, choices=[name for name in NAMES if name in compare_models.MODELS], metavar="NAME")
     options.add_argument("--networks", metavar="FOLDER")
     options.add_argument("--codes", metavar="FOLDER")
     options.add_argument("--protocols", action="store_true")
@@ -259,7 +259,7 @@ def main():
     with tempfile.TemporaryDirectory() as work:
         for index, (database, name, path) in enumerate(found):
             wanted = [model for model in models_of(path, arguments) if (database, name, model) not in results or
-                      arguments.protocols and model in rivals.FITS and (database, name, model) not in measured_by]
+                      arguments.protocols and model in compare_models.FITS and (database, name, model) not in measured_by]
             if not wanted:
                 continue
             start = time.monotonic()
@@ -277,9 +277,9 @@ def main():
                     continue
                 seconds = time.monotonic() - start
                 brdf, payload, shared, errors = fit
-                errors = errors or srbf.errors(measured, brdf, max_theta=rivals.MAX_THETA)
+                errors = errors or srbf.errors(measured, brdf, max_theta=compare_models.MAX_THETA)
                 results[tuple(key.values())] = {**key, "payload": str(payload), "shared": str(shared),
-                                                **{error: f"{errors[error]:.6g}" for error in rivals.ERRORS}}
+                                                **{error: f"{errors[error]:.6g}" for error in compare_models.ERRORS}}
                 times[tuple(key.values())] = {**key, "read": f"{reading:.2f}", "fit": f"{seconds:.2f}"}
                 if arguments.protocols and isinstance(brdf, srbf.Model):
                     measured_by[tuple(key.values())] = {**key, **protocols(path, measured, brdf, arguments.environment, work)}

@@ -35,8 +35,8 @@ class PrincipalComponents:
         self.cosines = self.wl[:, 2:] * self.wv[:, 2:]
         x = np.stack([self.table(os.path.join(folder, name)) for name in sorted(os.listdir(folder)) if name.endswith(".binary")])
         self.median = np.median(x, axis=0)
-        for of_material in x:
-            of_material[:] = self.logarithm(of_material)
+        for values in x:
+            values[:] = self.logarithm(values)
         self.mean = x.mean(axis=0)
         x = (x - self.mean).reshape(len(x), -1)
         variances, vectors = np.linalg.eigh((x @ x.T).astype(float))

@@ -1,14 +1,14 @@
 // Quality of importance sampling: the relative variance of f cosθl / pdf (luminance) and the share of lost samples, for
 // the multivariate and the view-by-view model with their own proposals, and for the measurement with its own proposal,
-// that of its multivariate model, and the cosine. Multivariate fits are
-// of form extended with 8 lobes, the view-by-view one has 5 lobes.
+// that of its multivariate model, and the cosine. Multivariate fits are of form extended with 8 lobes, the view-by-view
+// one has 5 lobes.
 //   usage: sampling FILE...
 // It prints the median and the largest variance over views every 3° to 85° of prepared measurements and models, and the
 // largest share of lost samples to 89.9°, as CSV in descending order of the largest variance.
 //   usage: sampling --views FILE...
-// The same with the largest weight of a sample, at 121 views uniform in √cosθv, from the normal to cosθv = 10⁻⁴. The
-// limit for 95 % of views is printed twice: of these views, a third of which are beyond 84°, and of views uniform in
-// solid angle, that is in cosθv:
+// With --horizon it also prints the largest weight of a sample, at 121 views uniform in √cosθv, from the normal to
+// cosθv = 10⁻⁴. The limit for 95 % of views is printed twice: of these views, a third of which are beyond 84°, and of
+// views uniform in solid angle, that is in cosθv:
 //   usage: sampling --horizon FILE...
 // The mean variance over 16 azimuths of the view, prepared without and with azimuths, for anisotropic files:
 //   usage: sampling --azimuths FILE...

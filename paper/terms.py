@@ -9,7 +9,7 @@ import statistics
 import sys
 
 import comparison
-from reports import material, report, reports
+from fit_reports import material_of, report_of_fit, reports_of_fits
 
 CSV = os.path.join(comparison.HERE, "..", "docs", "terms.csv")
 SEEDS = range(3)
@@ -56,14 +56,14 @@ def add_rows(program, paths):
             sys.exit(f"{program}: expected a program with paper/times.patch")
     rows = read()
     wanted = [(path, setting, seed) for seed in SEEDS for setting in TERMS.values() for path in paths]
-    missing = [(path, setting, seed) for path, setting, seed in wanted if (material(path), setting, seed) not in rows]
+    missing = [(path, setting, seed) for path, setting, seed in wanted if (material_of(path), setting, seed) not in rows]
     with open(CSV, "a", encoding="utf-8") as file:
         out = csv.writer(file, lineterminator="\n")
         if not rows:
             out.writerow(["material", "setting", "seed", *ERRORS])
-        fit = lambda path, setting, seed: report(program, path, "--seed", str(seed), SRBF_TIMES=setting)
-        for (path, setting, seed), outcome in reports(fit, missing):
-            out.writerow([material(path), setting, seed, *(f"{error(outcome):.5g}" for error in ERRORS.values())])
+        fit = lambda path, setting, seed: report_of_fit(program, path, "--seed", str(seed), SRBF_TIMES=setting)
+        for (path, setting, seed), outcome in reports_of_fits(fit, missing):
+            out.writerow([material_of(path), setting, seed, *(f"{error(outcome):.5g}" for error in ERRORS.values())])
             file.flush()
 
 
@@ -73,8 +73,8 @@ def terms_table(rows):
     for name, setting in TERMS.items():
         line = [name]
         for key, (_, form) in COLUMNS.items():
-            of_seeds = [statistics.fmean(rows[file, setting, seed][key] for file in materials) for seed in SEEDS]
-            least, largest = (format(extreme(of_seeds), form) for extreme in (min, max))
+            seed_means = [statistics.fmean(rows[file, setting, seed][key] for file in materials) for seed in SEEDS]
+            least, largest = (format(extreme(seed_means), form) for extreme in (min, max))
             line.append(f"{least.removesuffix('%')} to {largest.replace('%', ' %')}")
         lines.append(line)
     return comparison.table(["terms", *(head for head, _ in COLUMNS.values())], lines)
@@ -85,7 +85,7 @@ def main():
         add_rows(sys.argv[1], sys.argv[2:])
     with open(comparison.PAPER, encoding="utf-8") as file:
         page = file.read()
-    comparison.write_or_check({comparison.PAPER: comparison.replaced(page, "terms", terms_table(read()))}, "terms", "paper/terms.py")
+    comparison.write_or_check({comparison.PAPER: comparison.replace_table(page, "terms", terms_table(read()))}, "terms", "paper/terms.py")
 
 
 if __name__ == "__main__":

@@ -16,9 +16,9 @@ function(test_options target level)
   target_compile_definitions(${target} PRIVATE SRBF_IS_SANITIZED=${sanitized})
   target_compile_options(${target} PRIVATE ${level})
   set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE OFF)  # as in main.cpp: both share precompiled headers
-  precompiled(${target} tests_main${level} <algorithm> <cmath> <filesystem> <fstream> <functional> <map> <random> <string>
+  use_precompiled_headers(${target} tests_main${level} <algorithm> <cmath> <filesystem> <fstream> <functional> <map> <random> <string>
               <vector> <fmt/format.h> <gtest/gtest.h> <nlohmann/json.hpp>)
-  compiled_together(${target})
+  use_unity_build(${target})
 endfunction()
 foreach(level -O0 -O1)
   add_library(tests_main${level} OBJECT main.cpp)
@@ -34,14 +34,14 @@ unset(CMAKE_REQUIRED_FLAGS)
 set(reads_sanitized OFF)
 if(SRBF_HAS_SANITIZERS AND NOT SRBF_SANITIZE AND NOT BUILD_SHARED_LIBS)
   set(reads_sanitized ON)
-  list(TRANSFORM reading PREPEND ${PROJECT_SOURCE_DIR}/)
-  add_library(reading_sanitized OBJECT ${reading})
+  list(TRANSFORM SRBF_READER_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/)
+  add_library(reading_sanitized OBJECT ${SRBF_READER_SOURCES})
   target_include_directories(reading_sanitized PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/src)
   target_link_libraries(reading_sanitized PRIVATE srbf_extras srbf_build srbf_sanitized srbf::srbf Eigen3::Eigen nlohmann_json::nlohmann_json
                         nanoflann::nanoflann TBB::tbb hwy::hwy fmt::fmt pugixml::pugixml)
   target_compile_options(reading_sanitized PRIVATE -O1 -g1 -w)
   set_target_properties(reading_sanitized PROPERTIES POSITION_INDEPENDENT_CODE OFF)
-  compiled_together(reading_sanitized)
+  use_unity_build(reading_sanitized)
 endif()
 
 # test_program(NOUN LEVEL [SANITIZED]): the program NOUN_tests, unless it is there already. SANITIZED: its readers run

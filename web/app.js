@@ -2,57 +2,58 @@
 "use strict";
 const app = (() => {
 const $ = (id) => document.getElementById(id);
-const set_shown = (id, shown) => { $(id).hidden = !shown; };
+const set_shown = (id, shown) => { $(id).hidden = !shown; }, hide = (...ids) => ids.forEach((id) => set_shown(id, false));
 
 // ---- The files of the folder -------------------------------------------------------------------------------------
 
 // A page opened from a disk may load scripts but not fetch data, so each file of `data` is a script that calls
 // srbf_given. The page in one file has them as texts.
-const k_max_bytes = 2 ** 28, waiting = {}, parsed = new Promise((done) => document.addEventListener("DOMContentLoaded", done));
-window.srbf_given = (name, text) => waiting[name].done(text);
+const k_max_bytes = 2 ** 28, requested = {}, page_parsed = new Promise((resolve) => document.addEventListener("DOMContentLoaded", resolve));
+window.srbf_given = (name, text) => requested[name].resolve(text);
 function load_data(name) {
-  if (waiting[name]) return waiting[name].promise;
-  const entry = waiting[name] = {};
-  entry.promise = parsed.then(() => new Promise((done, failed) => {
-    entry.done = done;
-    const inside = $(`data/${name}`);
-    if (inside) return done(inside.textContent);
+  if (requested[name]) return requested[name].promise;
+  const request = requested[name] = {};
+  request.promise = page_parsed.then(() => new Promise((resolve, reject) => {
+    request.resolve = resolve;
+    const embedded = $(`data/${name}`);
+    if (embedded) return resolve(embedded.textContent);
     const script = document.createElement("script");
     script.src = `data/${name}.js`;
-    script.onerror = () => failed(new Error(`data/${name}.js is missing beside this page`));
+    script.onerror = () => reject(new Error(`data/${name}.js is missing beside this page`));
     document.head.append(script);
   }));
-  return entry.promise;
+  return request.promise;
 }
 
 // ---- The worker that fits ----------------------------------------------------------------------------------------
 
-// `worker` holds the file that the page shows; `spare` is started and idle.
-let worker = null, spare = null, question_count = 0, cache = null;
-const url = URL.createObjectURL(new Blob([`${binding}\n${working}\nworking();`], { type: "text/javascript" }));
+// `worker` holds the file that the page shows. `idle_worker` is started and has no file. `cache` has the unpacked files that
+// every worker needs.
+let worker = null, idle_worker = null, question_count = 0, cache = null;
+const worker_url = URL.createObjectURL(new Blob([`${binding}\n${working}\nworking();`], { type: "text/javascript" }));
 
-// A worker with the module. Requests that are unanswered when it ends are rejected with null.
+// A worker with the module. Questions that are unanswered when it ends are rejected with null.
 function new_worker() {
-  const thread = new Worker(url), open = new Map(), host = {
-    is_busy: () => open.size > 0,
-    ask: (question) => new Promise((done, failed) => {
+  const thread = new Worker(worker_url), unanswered = new Map(), host = {
+    is_busy: () => unanswered.size > 0,
+    ask: (question) => new Promise((resolve, reject) => {
       const id = ++question_count;
-      open.set(id, { done, failed });
+      unanswered.set(id, { resolve, reject });
       thread.postMessage({ ...question, id });
     }),
     end() {
       thread.terminate();
-      for (const { failed } of open.values()) failed(null);
-      open.clear();
+      for (const { reject } of unanswered.values()) reject(null);
+      unanswered.clear();
     },
   };
   thread.onmessage = ({ data }) => {
-    const question = open.get(data.id);
+    const question = unanswered.get(data.id);
     if (question) {
-      open.delete(data.id);
+      unanswered.delete(data.id);
       host.is_trapped ||= data.is_trap;
-      if ("error" in data) question.failed(new Error(data.error));
-      else question.done(data.result);
+      if ("error" in data) question.reject(new Error(data.error));
+      else question.resolve(data.result);
     } else if (host === worker) {
       if ("draft" in data) show_draft(data.draft);
       else if (saving) saving.progress = data.progress;
@@ -62,50 +63,53 @@ function new_worker() {
   };
   host.begun = (async () => {
     cache ??= { module: await load_data("module"), studio: await load_data("studio"), prepared: await load_data("prepared") };
-    const begun = await host.ask({ kind: "begin", ...cache });
-    cache = begun.cache;
-    return begun.viewer;
+    const answer = await host.ask({ kind: "begin", ...cache });
+    cache = answer.cache;
+    return answer.viewer;
   })();
   return host;
 }
-const ask = (question) => worker.ask(question);
 
 // ---- The display -------------------------------------------------------------------------------------------------
 
 const k_level = ["good", "good", "fair", "poor"];
-let file = null, fitted = null, edited = null, started = 0, draws = false, run = 0;
+// The file that the page shows, its fitted model (or the model in the file), and the edited model. `run_id` counts files and fits:
+// an action whose number is no longer this one has been replaced by a later one.
+let file = null, fitted = null, edited = null, run_id = 0, fit_start = 0, can_draw = false;
 let saving = null; // the file being written: its name, the start time and the progress (0: unknown)
 
-const grouped = (n) => n.toLocaleString("en");
+const with_commas = (n) => n.toLocaleString("en");
 const two_digits = (x) => Number(x.toPrecision(2)).toString();
 const stem = (name) => name.replace(/(.)\.[^.]*$/, "$1");
 
-function fail(text) {
-  $("failure").textContent = text;
-  set_shown("failure", text !== "");
-  if (text) $("failure").scrollIntoView({ block: "nearest" });
+function show_text(id, text) { // or hides it, if there is none
+  $(id).textContent = text;
+  set_shown(id, text !== "");
 }
-function say(text) {
-  $("reading").textContent = text;
-  set_shown("reading", text !== "");
+const show_reading_status = (text) => show_text("reading", text);
+function show_failure(text) {
+  show_text("failure", text);
+  if (text) $("failure").scrollIntoView({ block: "nearest" });
 }
 function show_progress({ progress, stage }) {
   document.querySelector("#working progress").value = progress;
-  $("stage").textContent = `${stage}, ${share_done(progress, started)}`;
+  $("stage").textContent = `${stage}, ${progress_text(progress, fit_start)}`;
 }
-function share_done(progress, started) {
-  const seconds = (performance.now() - started) / 1000, remaining = progress > 0.05 ? seconds * (1 - progress) / progress : NaN;
+// The completed percentage and, once it can be estimated, the remaining time.
+function progress_text(progress, start) {
+  const seconds = (performance.now() - start) / 1000, remaining = progress > 0.05 ? seconds * (1 - progress) / progress : NaN;
   return `${Math.round(100 * progress)} %` + (remaining >= 1 ? `, about ${Math.ceil(remaining)} s left` : "");
 }
 function show_edit_progress({ progress }) {
   $("edit_status").textContent = `Computing the edited model, ${Math.round(100 * progress)} % …`;
 }
 function show_saving() {
-  const { name, begun, progress } = saving, bar = document.querySelector("#writing progress");
+  const { name, start, progress } = saving, bar = document.querySelector("#writing progress");
   set_shown("writing", true);
-  progress ? bar.value = progress : bar.removeAttribute("value");
-  const done = progress ? `, ${share_done(progress, begun)}` : ` for ${Math.ceil((performance.now() - begun) / 1000)} s`;
-  $("saved").textContent = `Writing ${name}${done} …`;
+  if (progress) bar.value = progress;
+  else bar.removeAttribute("value");
+  const duration = progress ? `, ${progress_text(progress, start)}` : ` for ${Math.ceil((performance.now() - start) / 1000)} s`;
+  $("saved").textContent = `Writing ${name}${duration} …`;
 }
 function show_working(stage) {
   set_shown("working", stage !== "");
@@ -118,200 +122,214 @@ function show_slices(drawings) {
   document.querySelector("#plots .slices").innerHTML = drawings;
 }
 function show_measurement(measurement) {
-  const samples = measurement.samples ? `, ${grouped(measurement.samples)} samples` : "";
-  $("about").textContent = `${measurement.format}, ${grouped(measurement.bytes)} bytes${samples}${measurement.twoSided ? ", reflection and transmission" : ""}`
+  const samples = measurement.samples ? `, ${with_commas(measurement.samples)} samples` : "";
+  const sides = measurement.twoSided ? ", reflection and transmission" : "";
+  $("about").textContent = `${measurement.format}, ${with_commas(measurement.bytes)} bytes${samples}${sides}`
     + (measurement.isotropic ? "" : "; it depends on rotation about the normal, so only the fit has a picture")
     + measurement.notes.map((note) => `; ${note}`).join("");
-  if (!draws) return;
+  if (!can_draw) return;
   viewer.set_material(1, null);
   viewer.set_material(0, measurement.material);
   show_drawing();
 }
-// Shows a waiting message until the first picture arrives.
-let drawing = 0;
+// Shows a waiting message until the first picture arrives. `drawing_id` counts the calls.
+let drawing_id = 0;
 async function show_drawing() {
-  const mine = ++drawing, { classList } = $("viewer");
+  const own_drawing = ++drawing_id, { classList } = $("viewer");
   classList.add("drawing");
   await viewer.settled();
-  if (mine === drawing) classList.remove("drawing");
+  if (own_drawing === drawing_id) classList.remove("drawing");
 }
 // Describes the source of a ready material, says whether it is edited, and shows its licence terms.
 function show_ready() {
   const { kind, error, about, terms } = file.link.dataset;
   $("name").textContent = edited ? `Edited: made from ${kind}` : kind;
   $("about").textContent = edited ? `ΔE ${error} before the edit. An edited material has no measurement to compare with. `
-    : `${stem(file.name)}, ${grouped(fitted.bytes)} bytes. ${about} `;
+    : `${stem(file.name)}, ${with_commas(fitted.bytes)} bytes. ${about} `;
   $("about").insertAdjacentHTML("beforeend", terms); // with a link
 }
 function show_model(model) {
   if (file.link) show_ready();
-  else $("about").textContent = `A model of ${grouped(model.bytes)} bytes. Drop its measurement to fit it anew.`;
+  else $("about").textContent = `A model of ${with_commas(model.bytes)} bytes. Drop its measurement to fit it anew.`;
   set_shown("saving", true);
-  if (!draws) return;
+  if (!can_draw) return;
   viewer.set_material(0, null);
   viewer.set_material(1, model.material);
   show_drawing();
 }
-function words_of({ seen, smoothed, headline, twoSided, energyError }) {
+function describe_errors({ seen, smoothed, headline, twoSided, energyError }) {
   if (twoSided) return `The reflected and transmitted light have an error of at most ${two_digits(energyError)} of the incident light.`;
-  if (!smoothed)
-    return `The difference is ${headline} (1 is just noticeable).`;
+  if (!smoothed) return `The difference is ${headline} (1 is just noticeable).`;
   return `The difference is ${smoothed.verdict} once the measurement's noise is smoothed: ΔE_ITP ${two_digits(smoothed.deltaE)}, and ` +
     `${two_digits(seen.deltaE)} with the noise (1 is just noticeable).`;
 }
 function show_draft(draft) {
   $("verdict").className = "";
-  $("verdict").textContent = draft.last ? `The fit of ${grouped(draft.bytes)} bytes is shown. Its errors are being measured.`
-    : `A first draft of ${grouped(draft.bytes)} bytes is shown. The fit goes on.`;
+  $("verdict").textContent = draft.last ? `The fit of ${with_commas(draft.bytes)} bytes is shown. Its errors are being measured.`
+    : `A first draft of ${with_commas(draft.bytes)} bytes is shown. The fit goes on.`;
   show_slices(draft.slices);
-  if (!draws) return;
+  if (!can_draw) return;
   viewer.set_material(1, draft.material);
   show_drawing();
 }
 function show_fit(report) {
   const { seen, smoothed } = report, level = seen ? k_level[(smoothed ?? seen).level] : report.energyError <= 0.02 ? "good" : "fair";
   $("verdict").className = level;
-  $("verdict").textContent = words_of(report);
-  const ratio = grouped(Math.round(report.sourceBytes / report.bytes));
+  $("verdict").textContent = describe_errors(report);
+  const ratio = with_commas(Math.round(report.sourceBytes / report.bytes));
   $("sizes").textContent =
-    `${grouped(report.bytes)} bytes instead of ${grouped(report.sourceBytes)}: 1/${ratio}. Fitted in ${report.seconds.toFixed(1)} s.`;
+    `${with_commas(report.bytes)} bytes instead of ${with_commas(report.sourceBytes)}: 1/${ratio}. Fitted in ${report.seconds.toFixed(1)} s.`;
   set_shown("saving", true);
   show_slices(report.slices);
-  if (draws) viewer.set_material(1, report.material);
+  if (can_draw) viewer.set_material(1, report.material);
 }
 
 // ---- Edits -------------------------------------------------------------------------------------------------------
 
-// `shown`: the content of the edited picture, "edit" (of the fitted model) or "model"; null without a picture.
-let shown = null, wanted = null, is_editing = false, applied = Promise.resolve(), restored = Promise.resolve();
+// The content of the edited picture: "edit" (the fitted model, edited by the shader), "model" (the edited model) or null (no picture).
+let edit_view = null, pending_edit = null, is_editing = false;
+// Promises that resolve when the last edit is computed, and when a new worker has restored what the last one had.
+let edit_done = Promise.resolve(), restart_done = Promise.resolve();
 const editing = new_editing({
   preview(edit) {
-    if (!draws || !viewer.previews()) return;
-    if (shown !== "edit") viewer.set_material(2, { ...fitted.material, bytes: fitted.bytes_to_edit.slice() }, true), shown = "edit";
+    if (!can_draw || !viewer.can_preview()) return;
+    if (edit_view !== "edit") viewer.set_material(2, { ...fitted.material, bytes: fitted.bytes_to_edit.slice() }, true);
+    edit_view = "edit";
     viewer.set_edit(2, edit);
   },
   // Runs one edit at a time; of the edits requested meanwhile only the last one is computed.
-  apply(edits, words) {
-    wanted = { edits, words };
-    if (!is_editing) applied = apply_wanted(run);
+  apply(edits, description) {
+    pending_edit = { edits, description };
+    if (!is_editing) edit_done = apply_pending_edits(run_id);
   },
 });
-async function apply_wanted(mine) {
+async function apply_pending_edits(own_run) {
   is_editing = true;
-  await restored;
-  while (wanted && mine === run) {
-    const { edits, words } = wanted;
-    wanted = edited = null;
+  await restart_done;
+  while (pending_edit && own_run === run_id) {
+    const { edits, description } = pending_edit;
+    pending_edit = edited = null;
     $("edit_status").textContent = "Computing the edited model …";
-    const result = await step(mine, () => ask({ kind: "edit", name: file.name, edits }));
-    if (mine !== run || wanted) continue;
+    const result = await ask_step(own_run, { kind: "edit", name: file.name, edits });
+    if (own_run !== run_id || pending_edit) continue;
     edited = result?.edits ? result : null;
-    $("edit_status").textContent = edited ? `Edited: ${words}. ${grouped(edited.bytes)} bytes.` : "";
+    $("edit_status").textContent = edited ? `Edited: ${description}. ${with_commas(edited.bytes)} bytes.` : "";
     if (file.link) show_ready();
-    if (result && draws) viewer.set_material(2, edited && edited.material), shown = edited && "model";
+    if (!result || !can_draw) continue;
+    viewer.set_material(2, edited && edited.material);
+    edit_view = edited && "model";
   }
   is_editing = false;
 }
 function begin_editing(highlight) {
-  wanted = edited = null;
-  if (draws && shown) viewer.set_material(2, null);
-  shown = null;
+  pending_edit = edited = null;
+  if (can_draw && edit_view) viewer.set_material(2, null);
+  edit_view = null;
   $("edit_status").textContent = "";
   editing.begin(highlight);
 }
 
 // ---- Actions -----------------------------------------------------------------------------------------------------
 
-// Runs a step of a fit, and shows its error unless a later run has replaced this one.
-async function step(mine, action) {
+// The result of a promise, or null after an error, which `on_error` shows if `is_current` (no later action has replaced this one).
+async function result_of(promise, is_current, on_error = show_failure) {
   try {
-    return await action();
+    return await promise;
   } catch (error) {
-    if (error && mine === run) {
-      fail(error.message), show_working("");
-      if (worker?.is_trapped) restored = renew();
-    }
+    if (error && is_current()) on_error(error.message);
     return null;
   }
 }
+// Asks the worker for a step of a fit, an edit or a save. `question` may be a promise.
+const ask_step = (own_run, question) => result_of(Promise.resolve(question).then((ready) => worker.ask(ready)), () => own_run === run_id, (message) => {
+  show_failure(message);
+  show_working("");
+  if (worker?.is_trapped) restart_done = restart_worker();
+});
 
 // Starts the pictures, and places the sliders, buttons and light controls beside them. `common`: the data of `begin`.
-let pictures = null; // a promise that resolves when they have started
-const ensure_pictures = (common) => pictures ??= start_pictures(common);
+let pictures_started = null; // a promise
+const ensure_pictures = (common) => pictures_started ??= start_pictures(common);
 async function start_pictures(common) {
-  draws = await viewer.start(common, "2");
-  set_shown("without", !draws), set_shown("viewer", draws && file !== null);
-  if (draws) $("viewer").prepend(document.querySelector("#viewer .pictures"), $("side"), document.querySelector("#viewer > .controls"));
+  can_draw = await viewer.start(common, "2");
+  set_shown("without", !can_draw);
+  set_shown("viewer", can_draw && file !== null);
+  if (can_draw) $("viewer").prepend(document.querySelector("#viewer .pictures"), $("side"), document.querySelector("#viewer > .controls"));
 }
 async function open_in(host, { name, bytes, link }) {
   await ensure_pictures(await host.begun);
   return host.ask({ kind: "open", name, bytes, is_ready: Boolean(link) });
 }
-// Ends the worker. Its successor reads the page's file again, and the models made so far.
-function renew() {
-  const mine = run, made = fitted && { kind: "restore", name: stem(file.name), fitted: fitted.file, edited: edited?.file };
+// Ends the worker. Its successor reads the page's file again, and the models made so far. Resolves to true if it could.
+async function restart_worker() {
+  const own_run = run_id, models = fitted && { kind: "restore", name: stem(file.name), fitted: fitted.file, edited: edited?.file };
   worker.end();
   const host = worker = new_worker();
-  return open_in(host, file).then(() => made && host.ask(made)).then(() => true, (error) => void (error && mine === run && fail(error.message)));
+  const restored = open_in(host, file).then(() => models ? host.ask(models) : true);
+  return await result_of(restored, () => own_run === run_id) !== null;
 }
-function take_fit(result) {
+function set_fitted(result) {
   fitted = result;
   fitted.bytes_to_edit = result.material && result.material.bytes.slice(); // the original bytes are transferred to the painter
 }
-async function fit(mine) {
-  started = performance.now();
+async function fit(own_run) {
+  fit_start = performance.now();
   show_working("beginning");
-  const lobes = Number($("lobes").value), was_touched = $("lobes").dataset.touched;
-  const result = await step(mine, () => ask({ kind: "fit", name: file.name, options: was_touched ? { lobes } : {} }));
-  if (!result || mine !== run) return;
-  take_fit(result);
+  const options = $("lobes").dataset.touched ? { lobes: Number($("lobes").value) } : {};
+  const result = await ask_step(own_run, { kind: "fit", name: file.name, options });
+  if (!result || own_run !== run_id) return;
+  set_fitted(result);
   show_working("");
   show_fit(result);
   begin_editing(result.highlight);
 }
-// Describes a picture in words.
+// Sets the name of a picture in its button, its caption and its description.
 function name_picture(subject, name) {
-  for (const element of document.querySelectorAll(`[data-show="${subject}"], figure[data-material="${subject}"] figcaption`)) element.textContent = name;
+  for (const element of document.querySelectorAll(`[data-show="${subject}"], figure[data-material="${subject}"] figcaption`))
+    element.textContent = name;
   document.querySelector(`figure[data-material="${subject}"] canvas`)?.setAttribute("aria-label", name);
 }
 // Shows the name of a file. For a ready material it also shows the stored picture, until the first one is drawn.
 function show_name(name, link) {
   $("name").textContent = link?.dataset.kind ?? stem(name);
-  set_shown("stored", Boolean(link)), set_shown("lobes_row", !link);
+  set_shown("stored", Boolean(link));
+  set_shown("lobes_row", !link);
   $("viewer").classList.toggle("stored", Boolean(link));
   if (link) document.body.style.setProperty("--stored", link.querySelector("i").style.backgroundPosition);
   set_shown("state", true);
 }
-// Reads a measurement and fits it, or reads a model and shows it; `link` is the address of a ready material. The page keeps its
-// content until the file is read. If several files are chosen, only the last one is shown.
-let opening = 0;
+// Reads a measurement and fits it, or reads a model and shows it; `link` is the link of a ready material. The page keeps its
+// content until the file is read. If several files are chosen, only the last one is shown: `opening_id` counts them.
+let opening_id = 0;
 function begin_opening() {
-  say(""), fail("");
-  return ++opening;
+  show_reading_status("");
+  show_failure("");
+  return ++opening_id;
 }
-async function show_file(mine, name, bytes, link) {
-  const next = { name, bytes, link }, host = spare ?? new_worker();
-  spare = null;
-  say(`Reading ${name} …`);
-  const opened = await open_in(host, next).catch((error) => void (error && mine === opening && fail(refusal(name, bytes, error.message))));
-  if (mine !== opening) return host.end();
-  say("");
+async function show_file(own_opening, name, bytes, link) {
+  const next = { name, bytes, link }, host = idle_worker ?? new_worker();
+  idle_worker = null;
+  show_reading_status(`Reading ${name} …`);
+  const show_error = (message) => show_failure(refusal(name, bytes, message));
+  const opened = await result_of(open_in(host, next), () => own_opening === opening_id, show_error);
+  if (own_opening !== opening_id) return host.end();
+  show_reading_status("");
   if (opened) show_opened(opened, next, host);
   else host.end();
   show_address();
 }
 function show_opened(opened, next, host) {
-  const mine = ++run;
+  const own_run = ++run_id;
   worker?.end();
   worker = host, file = next, fitted = null;
   begin_editing(null);
-  fail("");
-  set_shown("saving", false), set_shown("plots", false);
+  show_failure("");
+  hide("saving", "plots");
   show_name(file.name, file.link);
   for (const id of ["about", "verdict", "sizes", "saved"]) $(id).textContent = "";
   $("verdict").className = "";
   show_working("");
-  if (draws) set_shown("viewer", true);
+  if (can_draw) set_shown("viewer", true);
   set_shown("lobes_row", !opened.model);
   for (const element of document.querySelectorAll(".compared")) element.hidden = opened.model;
   show_slices(opened.slices);
@@ -319,128 +337,132 @@ function show_opened(opened, next, host) {
   $("state").scrollIntoView();
   if (!opened.model) {
     show_measurement(opened);
-    return void fit(mine);
+    return fit(own_run);
   }
   document.querySelector("figure[data-material='1'] figcaption").textContent = $("name").textContent;
-  take_fit(opened);
+  set_fitted(opened);
   show_model(opened);
   begin_editing(opened.highlight);
 }
 // The message for a file that cannot be read: its kind if the library does not know the format, else the library's error.
-function refusal(name, bytes, why) {
-  const kind = bytes instanceof Uint8Array ? light.kind_of(bytes) : null, is_unknown = why.includes(": unknown format: ");
-  return is_unknown || /(picture|page)$/.test(kind) ? `${name}: this is ${kind ?? "a file of another kind"}; drop a measurement, a model or an .hdr` : why;
+function refusal(name, bytes, message) {
+  const kind = bytes instanceof Uint8Array ? light.kind_of(bytes) : null, is_unknown = message.includes(": unknown format: ");
+  if (!is_unknown && !/(picture|page)$/.test(kind)) return message;
+  return `${name}: this is ${kind ?? "a file of another kind"}; drop a measurement, a model or an .hdr`;
 }
 async function take_file(chosen) {
-  const mine = begin_opening(), { name, size } = chosen;
-  if (size > k_max_bytes) return fail(`${name}: size: expected at most ${grouped(k_max_bytes)} bytes, found ${grouped(size)}`);
-  const bytes = await chosen.arrayBuffer().then((buffer) => new Uint8Array(buffer), (error) => void fail(`${name}: cannot be read: ${error.message}`));
-  if (!bytes || mine !== opening) return;
-  if (!light.is_environment(name, bytes)) return show_file(mine, name, bytes);
-  await pictures;
-  if (draws && viewer.previews()) await viewer.open_environment(chosen, fail);
-  else fail(`${name}: this browser draws no pictures under an environment`);
+  const own_opening = begin_opening(), { name, size } = chosen;
+  if (size > k_max_bytes) return show_failure(`${name}: size: expected at most ${with_commas(k_max_bytes)} bytes, found ${with_commas(size)}`);
+  const is_current = () => own_opening === opening_id, show_error = (message) => show_failure(`${name}: cannot be read: ${message}`);
+  const content = await result_of(chosen.arrayBuffer(), is_current, show_error);
+  if (!content || !is_current()) return;
+  const bytes = new Uint8Array(content);
+  if (!light.is_environment(name, bytes)) return show_file(own_opening, name, bytes);
+  await pictures_started;
+  if (can_draw && viewer.can_preview()) await viewer.open_environment(chosen, show_failure);
+  else show_failure(`${name}: this browser draws no pictures under an environment`);
 }
 // Ends the worker at once. Its successor reads the file again.
 async function cancel() {
-  ++run;
+  ++run_id;
   show_working("");
   $("verdict").textContent = "Cancelled. Move the slider to fit again.";
   $("verdict").className = "";
-  set_shown("saving", false);
+  hide("saving");
   begin_editing(null);
-  await renew();
+  await restart_worker();
 }
 async function change_lobes() {
   $("lobes").dataset.touched = "yes";
   if (!file) return;
-  const mine = ++run;
-  fail("");
+  const own_run = ++run_id;
+  show_failure("");
   begin_editing(null);
-  if (worker.is_busy() && !await renew() || mine !== run) return;
-  await fit(mine);
+  if (worker.is_busy() && !await restart_worker()) return;
+  if (own_run === run_id) await fit(own_run);
 }
-function element(kind, ...content) {
-  const made = document.createElement(kind);
-  made.append(...content);
-  return made;
+function new_element(tag, ...content) {
+  const element = document.createElement(tag);
+  element.append(...content);
+  return element;
 }
 // Shows how to use the saved file, one line for each of `steps`. The pattern `name` finds a name in the file for these lines.
 async function show_saved({ note = "", steps = "", name: pattern }, file_name, { content, error }) {
   const parts = { file: file_name, name: pattern && (await content.text()).match(pattern)?.[1] };
   const reference = error && (error.isOfModel ? "material on this page, which has an error of its own" : "measurement");
-  const said = `Saved ${file_name}. ` + (error ? `Blender’s nodes differ by ΔE ${two_digits(error.deltaE)} from the ${reference}. ` : "");
-  const filled = (step) => step.replace(/{(file|name)}/g, (_, part) => parts[part]);
-  $("saved").replaceChildren(element("p", said, element("strong", note)));
-  if (steps) $("saved").append(element("ol", ...steps.split("\n").map((step) => element("li", filled(step)))));
+  const error_text = error ? `Blender’s nodes differ by ΔE ${two_digits(error.deltaE)} from the ${reference}. ` : "";
+  const fill_in = (step) => step.replace(/{(file|name)}/g, (_, part) => parts[part]);
+  $("saved").replaceChildren(new_element("p", `Saved ${file_name}. ${error_text}`, new_element("strong", note)));
+  if (steps) $("saved").append(new_element("ol", ...steps.split("\n").map((step) => new_element("li", fill_in(step)))));
 }
-// If the page has the measurement, the material for Blender is made from it.
-async function write(what, name) {
+// The question whose answer is a file to save. If the page has the measurement, the material for Blender is made from it.
+async function save_question(what, name) {
   const measured = `${stem(file.name)}_rgb.bsdf`, has_measured = file.link && document.querySelector(`[data-sample="${measured}"]`);
   const measurement = what === "blender" && has_measured && !edited ? { name: measured, bytes: await load_data(measured) } : null;
-  return ask({ kind: "save", what, name, measurement });
+  return { kind: "save", what, name, measurement };
 }
 // Saves one file at a time, because all saves share one status line.
 async function save(button) {
   const buttons = [...document.querySelectorAll("[data-save]")];
   for (const each of buttons) each.disabled = true;
-  await write_file(button.dataset);
+  await make_and_download(button.dataset);
   for (const each of buttons) each.disabled = false;
   if (document.activeElement === document.body) button.focus({ preventScroll: true }); // a disabled button loses the focus
 }
-async function write_file(button) {
-  const { save: what, ending } = button;
-  const mine = run;
-  await applied;
-  if (mine !== run) return;
+async function make_and_download(button_data) {
+  const { save: what, ending } = button_data, own_run = run_id;
+  await edit_done;
+  if (own_run !== run_id) return;
   const name = stem(file.name) + (edited ? "_edited" : "") + ending;
   $("saved").textContent = "";
-  saving = { name, begun: performance.now(), progress: 0 };
+  saving = { name, start: performance.now(), progress: 0 };
   const timer = setInterval(show_saving, 400); // quick saves show no status
-  const written = await step(mine, () => write(what, name));
-  saving = clearInterval(timer), set_shown("writing", false);
-  $("saved").textContent = !written && mine === run ? "Nothing was saved." : "";
-  if (!written) return restored;
-  await show_saved(button, name, written);
+  const made = await ask_step(own_run, save_question(what, name));
+  clearInterval(timer);
+  saving = null;
+  hide("writing");
+  $("saved").textContent = !made && own_run === run_id ? "Nothing was saved." : "";
+  if (!made) return restart_done;
+  await show_saved(button_data, name, made);
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(written.content);
+  link.href = URL.createObjectURL(made.content);
   link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 60000);
 }
-
 // Shows one of the page's own files.
-async function show_own(name, link) {
-  const mine = begin_opening(), bytes = await load_data(name).catch((error) => void fail(error.message));
-  if (mine !== opening) return;
+async function show_bundled(name, link) {
+  const own_opening = begin_opening(), bytes = await result_of(load_data(name), () => own_opening === opening_id);
+  if (own_opening !== opening_id) return;
   if (!bytes) return show_address();
   if (file) $("state").scrollIntoView();
-  await show_file(mine, name, bytes, link);
+  await show_file(own_opening, name, bytes, link);
 }
-for (const button of document.querySelectorAll("[data-sample]")) button.addEventListener("click", () => show_own(button.dataset.sample));
+for (const button of document.querySelectorAll("[data-sample]")) button.addEventListener("click", () => show_bundled(button.dataset.sample));
 // The address "#NAME" shows a material of the gallery, so that its link can be shared.
-const links = [...document.querySelectorAll("#gallery li a")], linked = (address = location) => links.find((link) => link.href === address.href);
-function show_linked() {
-  const link = linked(), name = location.hash.slice(1);
-  if (link) return show_own(`${name}.srbf`, link);
-  if (name && name !== "lights" && !document.getElementById(name)) fail(`This page has no ready material of the name ${name}.`);
+const ready_links = [...document.querySelectorAll("#gallery li a")];
+const find_ready_link = (href = location.href) => ready_links.find((link) => link.href === href);
+function show_material_of_address() {
+  const link = find_ready_link(), name = location.hash.slice(1);
+  if (link) return show_bundled(`${name}.srbf`, link);
+  if (name && name !== "lights" && !document.getElementById(name)) show_failure(`This page has no ready material of the name ${name}.`);
   show_address();
 }
-// The address of the ready material that is shown, or none.
+// Sets the address to that of the ready material that is shown, or removes the name of one.
 function show_address() {
-  const { href } = file?.link ?? { href: location.href.replace(linked() ? location.hash : "", "") };
+  const href = file?.link?.href ?? location.href.replace(find_ready_link() ? location.hash : "", "");
   if (href !== location.href) history.replaceState(null, "", href);
 }
-window.addEventListener("hashchange", () => { if (!file?.link || linked() !== file.link) show_linked(); });
+window.addEventListener("hashchange", () => { if (!file?.link || find_ready_link() !== file.link) show_material_of_address(); });
 // A click on the current ball does not change the address.
-for (const link of links) link.addEventListener("click", () => { if (link === linked()) show_linked(); });
+for (const link of ready_links) link.addEventListener("click", () => { if (link === find_ready_link()) show_material_of_address(); });
 for (const button of document.querySelectorAll("[data-save]")) button.addEventListener("click", () => save(button));
 $("file").addEventListener("change", () => {
   if ($("file").files[0]) take_file($("file").files[0]);
   $("file").value = "";
 });
 $("cancel").addEventListener("click", cancel);
-$("stop").addEventListener("click", () => { restored = renew(); });
+$("stop").addEventListener("click", () => { restart_done = restart_worker(); });
 $("lobes").addEventListener("input", () => { $("lobes_value").value = $("lobes").value; });
 $("lobes").addEventListener("change", change_lobes);
 document.addEventListener("dragover", (event) => {
@@ -451,17 +473,19 @@ document.addEventListener("dragleave", () => document.body.classList.remove("ove
 document.addEventListener("drop", (event) => {
   event.preventDefault();
   document.body.classList.remove("over");
-  const [chosen] = event.dataTransfer.files, address = event.dataTransfer.getData("text/uri-list"), link = linked({ href: address });
+  const [chosen] = event.dataTransfer.files, address = event.dataTransfer.getData("text/uri-list"), link = find_ready_link(address);
   if (link) link.click();
   else if (chosen) take_file(chosen);
-  else fail(`This is ${address ? "a link" : "no file"}; drop a measurement, a model or an .hdr`);
+  else show_failure(`This is ${address ? "a link" : "no file"}; drop a measurement, a model or an .hdr`);
 });
-if (linked()) show_name("", linked());
+if (find_ready_link()) show_name("", find_ready_link());
 window.addEventListener("load", () => setTimeout(() => {
-  spare = new_worker();
-  spare.begun.then(ensure_pictures).catch((error) => error && fail(error.message));
-  show_linked();
+  idle_worker = new_worker();
+  result_of(idle_worker.begun.then(ensure_pictures), () => true);
+  show_material_of_address();
 }, 50)); // after the page is shown
 
-return { take_file, save_as: (what, name) => write(what, name).then(({ content }) => content), state: () => ({ file, fitted, edited, busy: Number(worker?.is_busy() ?? false) }) };
+// For tests and for scripts that draw figures.
+const state = () => ({ file, fitted, edited, busy: Number(worker?.is_busy() ?? false) });
+return { take_file, state, save_as: async (what, name) => (await worker.ask(await save_question(what, name))).content };
 })();

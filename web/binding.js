@@ -6,7 +6,7 @@ function binding() {
 const encoder = new TextEncoder(), decoder = new TextDecoder();
 
 // The functions that the C library needs from a system: a clock, and an output for the reason why it stops.
-function system_of(memory) {
+function new_system(memory) {
   const view = () => new DataView(memory().buffer);
   let output = "";
   return { output: () => output, imports: {
@@ -25,12 +25,11 @@ function system_of(memory) {
     proc_exit(status) { throw new Error(output.trim() || `the module ended with status ${status}`); },
   } };
 }
-
-// The exports of the compiled module, instantiated with what it imports.
-async function instantiated(module, progress) {
+// Instantiates the compiled module with what it imports, and returns its exports.
+async function instantiate(module, progress) {
   let c = null;
   const memory = () => c.memory, text_at = (address, size) => decoder.decode(new Uint8Array(c.memory.buffer, address, size).slice());
-  const system = system_of(memory), k_no_system = 52; // ENOSYS
+  const system = new_system(memory), k_no_system = 52; // ENOSYS
   const wasi = new Proxy(system.imports, { get: (functions, name) => functions[name] ?? (() => k_no_system) });
   const imports = { srbf: { progress: (address, size, fraction) => progress(text_at(address, size), fraction) === false ? 0 : 1 } };
   for (const { module: from, name } of WebAssembly.Module.imports(module))
@@ -39,10 +38,9 @@ async function instantiated(module, progress) {
   c._initialize?.();
   return c;
 }
-
 // The functions of the compiled module. `progress(stage, fraction)` may return false to cancel a fit.
 async function new_srbf(module, progress = () => true) {
-  const c = await instantiated(module, progress);
+  const c = await instantiate(module, progress);
   const bytes_at = (address, size) => new Uint8Array(c.memory.buffer, address, size);
 
   // Calls f with the addresses and sizes of copies of these texts and byte arrays.
@@ -69,10 +67,7 @@ async function new_srbf(module, progress = () => true) {
     return status;
   }
   const describe = (number) => ({ number, ...JSON.parse(text()) });
-  const floats = (directions) => {
-    const numbers = Float32Array.from(directions);
-    return new Uint8Array(numbers.buffer);
-  };
+  const floats = (directions) => new Uint8Array(Float32Array.from(directions).buffer);
   return {
     // Opens a measurement or a model from the bytes of a file with this name.
     open(name, bytes) {

@@ -30,7 +30,6 @@ function decode_rgbe(rgbe) {
   }
   return texels;
 }
-
 // Reads a Radiance file: RGBE, flat or run-length encoded, with rows from the top and columns from the left.
 function read_hdr(bytes) {
   const text = new TextDecoder("latin1").decode(bytes.subarray(0, 65536)), end = text.indexOf("\n\n");
@@ -67,19 +66,16 @@ function read_hdr(bytes) {
   }
   return { width, height, texels: decode_rgbe(rgbe) };
 }
-
 function half_to_number(bits) {
   const exponent = bits >> 10 & 31, mantissa = bits & 1023, sign = bits & 32768 ? -1 : 1;
   if (exponent === 31) return mantissa ? NaN : sign * Infinity;
   return sign * (exponent ? 2 ** (exponent - 15) * (1 + mantissa / 1024) : mantissa * 2 ** -24);
 }
-
 // Decompresses a zlib stream.
 const inflate = async (bytes) => new Uint8Array(await new Response(
   new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer());
 
-// Reads an OpenEXR file of scanlines, uncompressed or ZIP or ZIPS compressed, with channels R, G and B of halves or
-// floats.
+// Reads an OpenEXR file of scanlines, uncompressed or ZIP or ZIPS compressed, with channels R, G and B of halves or floats.
 async function read_exr(bytes) {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   let offset = 8;
@@ -130,7 +126,6 @@ async function read_exr(bytes) {
   }
   return { width, height, texels };
 }
-
 // Reads the image in a user's file. Throws an error that begins with the file's name.
 async function read_file(file) {
   try {
@@ -147,7 +142,7 @@ async function read_file(file) {
 
 // ---- A photographer's light --------------------------------------------------------------------------------------
 
-// A soft box, a strip of light on the opposite side from behind, and walls that are brighter above than below. All edges are
+// A soft box, a strip light behind the object on the opposite side, and walls that are brighter above than below. All edges are
 // soft, so that few texels suffice.
 function soft_box() {
   const width = 256, height = 128, texels = new Float32Array(3 * width * height), degree = Math.PI / 180;
@@ -197,9 +192,7 @@ function halve({ width, height, texels }) {
   }
   return half;
 }
-
-// The cumulative distributions from which the shader samples directions, the same as in the program's class
-// Environment.
+// The cumulative distributions from which the shader samples directions, the same as in the program's class Environment.
 function running_sums({ width, height, texels }) {
   const columns = new Float32Array((width + 1) * height), rows = new Float64Array(height + 1), weights = solid_angles(height);
   // The luminance of a row, blurred along it.
@@ -220,18 +213,19 @@ function running_sums({ width, height, texels }) {
   }
   return { columns, rows: Float32Array.from(rows, (sum) => rows[height] ? sum / rows[height] : 0) };
 }
-
-function new_texture(gl, width, height, format, filter, numbers) {
+// A texture without content, which stays bound.
+function new_empty_texture(gl, bind_point, filter) {
   const texture = gl.createTexture();
-  gl.bindTexture(gl.TEXTURE_2D, texture);
-  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, filter);
-  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, filter);
-  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
-  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+  gl.bindTexture(bind_point, texture);
+  for (const size of ["MIN", "MAG"]) gl.texParameteri(bind_point, gl[`TEXTURE_${size}_FILTER`], filter);
+  for (const axis of ["S", "T", "R"]) gl.texParameteri(bind_point, gl[`TEXTURE_WRAP_${axis}`], gl.CLAMP_TO_EDGE);
+  return texture;
+}
+function new_texture(gl, width, height, format, filter, numbers) {
+  const texture = new_empty_texture(gl, gl.TEXTURE_2D, filter);
   gl.texImage2D(gl.TEXTURE_2D, 0, gl[format], width, height, 0, format === "R32F" ? gl.RED : gl.RGBA, gl.FLOAT, numbers);
   return texture;
 }
-
 function new_environment(gl, image) {
   for (let i = 0; i < image.texels.length; ++i) if (!(image.texels[i] >= 0 && image.texels[i] < Infinity)) image.texels[i] = 0;
   while (Math.max(image.width, image.height) > Math.min(k_max_width, gl.getParameter(gl.MAX_TEXTURE_SIZE) - 1)) image = halve(image);
@@ -280,13 +274,11 @@ function delete_buffer(gl, { framebuffer, textures, depth }) {
   for (const texture of textures) gl.deleteTexture(texture);
   if (depth) gl.deleteRenderbuffer(depth);
 }
-
 // The offset of sample i from the centres of its pixels.
 const k_plastic = 1.3247179572447460;
 const shift_of = (i) => [1 / k_plastic, 1 / k_plastic ** 2].map((step) => (i + 1) * step % 1 - 0.5);
 
-// The exposure at which 90 % of the object's pixels are at most `knee`. `visible` has the surface at 2 x 2 points
-// of each pixel.
+// The exposure at which 90 % of the object's pixels are at most `knee`. `visible` has the surface at 2 x 2 points of each pixel.
 function exposure_of(gl, { width, height, framebuffer }, visible, knee) {
   const pixels = new Float32Array(4 * width * height), surface = new Float32Array(16 * width * height), brightness = [];
   gl.bindFramebuffer(gl.FRAMEBUFFER, visible.framebuffer);
@@ -299,10 +291,8 @@ function exposure_of(gl, { width, height, framebuffer }, visible, knee) {
   const percentile = Float32Array.from(brightness).sort()[Math.floor(0.9 * (brightness.length - 1))];
   return percentile > 0 ? knee / percentile : 1;
 }
-
-// The rotation [rad] of an environment about the vertical that puts most of its light 40 degrees to the left of the
-// viewer. The direction of the light is a vector mean, weighted with the cube of the luminance,
-// so that lamps count for more than walls.
+// The rotation [rad] of an environment about the vertical that puts most of its light 40 degrees to the left of the viewer. The
+// direction of the light is a vector mean, weighted with the cube of the luminance, so that lamps count for more than walls.
 function facing_azimuth({ width, height, texels }) {
   let x = 0, z = 0;
   const weights = solid_angles(height), phi = (column) => ((column + 0.5) / width - 0.5) * 2 * Math.PI;
@@ -318,6 +308,6 @@ function facing_azimuth({ width, height, texels }) {
   return Number.isFinite(current) ? target - current : 0;
 }
 
-return { kind_of, is_environment, read_file, decode_rgbe, soft_box, new_environment, new_buffer, delete_buffer, shift_of, exposure_of, facing_azimuth };
+return { kind_of, is_environment, read_file, decode_rgbe, soft_box, new_empty_texture, new_environment, new_buffer, delete_buffer, shift_of, exposure_of, facing_azimuth };
 }
 const light = lighting();

@@ -1,6 +1,7 @@
 // The library for a page or a script: C functions of one WebAssembly module, called by web/binding.js. Subjects,
 // which are measurements and models, have numbers from 1. A function that may fail returns 0 on failure; `content`
 // is then the error in one line. Otherwise it returns a number above 0, and `content` is its result.
+// Keys of JSON are in camel case, as web/package/srbf.d.ts documents them; names of JavaScript are in snake case.
 #include <fmt/format.h>
 
 #include <cctype>
@@ -60,11 +61,8 @@ int set_json(const Json& json) {
 }
 int fail(const Error& error) { return set_content(std::string_view(message(error))), 0; }
 /// Sets the content to a result or to its error.
-int set_result(const Result<std::string>& result) {
-    return result ? set_content(std::string_view(*result)) : fail(result.error());
-}
-int set_result(const Result<std::vector<std::byte>>& result) {
-    return result ? set_content(std::span<const std::byte>(*result)) : fail(result.error());
+template <typename T> int set_result(const Result<T>& result) {
+    return result ? set_content(*result) : fail(result.error());
 }
 
 const Subject* subject_of(int number) {
@@ -75,9 +73,11 @@ int keep(Subject subject) {
     g_subjects.push_back(std::make_unique<Subject>(std::move(subject)));
     return int(g_subjects.size());
 }
-Error unknown(std::string expected) {
-    return {"subject", {}, "number", std::move(expected), "none", ErrorCode::argument};
+/// The error of an argument of a host's call.
+Error invalid(std::string source, std::string field, std::string expected, std::string found) {
+    return {std::move(source), {}, std::move(field), std::move(expected), std::move(found), ErrorCode::argument};
 }
+Error unknown(std::string expected) { return invalid("subject", "number", std::move(expected), "none"); }
 
 const Model* model_of(const Subject* subject) { return subject ? std::get_if<Model>(&subject->content) : nullptr; }
 const Measured* measured_of(const Subject* subject) {
@@ -98,8 +98,7 @@ std::string in_camel_case(std::string_view name) {
 /// The request that a JSON object of fit options describes.
 Result<FitRequest> request_of(std::string_view text) {
     const Json json = Json::parse(text.begin(), text.end(), nullptr, false);
-    if (!json.is_object())
-        return Error{"options", {}, {}, "an object of JSON", std::string(text.substr(0, 40)), ErrorCode::argument};
+    if (!json.is_object()) return invalid("options", {}, "an object of JSON", std::string(text.substr(0, 40)));
     FitTexts texts;
     for (const auto& [key, value] : json.items()) {
         std::string name;
@@ -250,8 +249,8 @@ SRBF_EXPORT(fit) int fit_subject(int number, const char* options, std::size_t si
 
 // ---- Edits -------------------------------------------------------------------------------------------------------
 
-/// Sets the content to the numbers that pictures of edits need before their fit, as JSON: the shares of the body, and the
-/// roughness of the highlight (`PM_EDITED` of srbf/shader.h). It is null for a model that cannot be edited.
+/// Sets the content to the numbers that pictures of edits need before their fit, as JSON: the shares of the body, and
+/// the roughness of the highlight (`PM_EDITED` of srbf/shader.h). It is null for a model that cannot be edited.
 SRBF_EXPORT(highlight) int highlight(int number) {
     const Model* model = model_of(subject_of(number));
     const auto* pm = model ? std::get_if<PmModel>(&model->model) : nullptr;
@@ -260,8 +259,8 @@ SRBF_EXPORT(highlight) int highlight(int number) {
     return set_json(Json{{"shares", body_shares(*pm)}, {"roughness", roughness > 0 ? roughness : 1}});
 }
 
-/// Applies edits to a model: a JSON object with numbers `roughen`, `saturate` and `hue` [degrees] and colours `highlight`
-/// and `body`, all optional. The content describes the result as JSON.
+/// Applies edits to a model: a JSON object with numbers `roughen`, `saturate` and `hue` [degrees] and colours
+/// `highlight` and `body`, all optional. The content describes the result as JSON.
 SRBF_EXPORT(edit) int edit(int number, const char* text, std::size_t size) {
     const Subject* subject = subject_of(number);
     const Model* model = model_of(subject);
@@ -283,12 +282,8 @@ SRBF_EXPORT(edit) int edit(int number, const char* text, std::size_t size) {
         }
     }
     if (!is_read)
-        return fail(Error{"edits",
-                          {},
-                          "JSON",
-                          "an object with roughen, highlight, body, saturate, hue",
-                          std::string(text, size),
-                          ErrorCode::argument});
+        return fail(
+            invalid("edits", "JSON", "an object with roughen, highlight, body, saturate, hue", text_of(text, size)));
     std::vector<Edit> edits;
     if (roughen != 1) edits.emplace_back(Roughen{roughen});
     if (tint) edits.emplace_back(*tint);
@@ -303,14 +298,14 @@ SRBF_EXPORT(edit) int edit(int number, const char* text, std::size_t size) {
     return keep({path, *std::move(stored)});
 }
 
-/// The bytes of a model's file.
+/// Sets the content to the bytes of a model's file.
 SRBF_EXPORT(model_file) int model_file(int number) {
     const Model* model = model_of(subject_of(number));
     return model ? set_content(std::span<const std::byte>(write_model(*model))) : fail(unknown("that of a model"));
 }
 
-/// Shading code of a model: glsl, hlsl, wgsl, msl, c, three or unity; `sampling` adds NAME_sample and NAME_pdf, `environment`
-/// NAME_environment.
+/// Sets the content to shading code of a model: glsl, hlsl, wgsl, msl, c, three or unity. `sampling` adds NAME_sample
+/// and NAME_pdf, `environment` NAME_environment.
 SRBF_EXPORT(code) int code(int number, const char* language, std::size_t size, int sampling, int environment) {
     const Subject* subject = subject_of(number);
     const Model* model = model_of(subject);
@@ -331,10 +326,10 @@ SRBF_EXPORT(code) int code(int number, const char* language, std::size_t size, i
         if (environment != 0) options.with = {"environment"};
         return set_result(shading_code(named, name, options));
     }
-    return fail({"code", {}, "language", "three, unity or " + code_language_names(), to, ErrorCode::argument});
+    return fail(invalid("code", "language", "three, unity or " + code_language_names(), to));
 }
 
-/// A script that makes a material for Blender of a measurement or a model.
+/// Sets the content to a script that makes a material for Blender from a measurement or a model.
 SRBF_EXPORT(blender) int blender_material(int number) {
     const Subject* subject = subject_of(number);
     if (!subject) return fail(unknown("that of a measurement or a model"));
@@ -345,7 +340,7 @@ SRBF_EXPORT(blender) int blender_material(int number) {
     const NamedClosures material{identifier(stem_of(subject->path)), g_closures};
     return set_content(std::string_view(blender_script({&material, 1})));
 }
-/// The mean ΔE_ITP of pictures of the last of these scripts against its subject. The content is that number as JSON.
+/// Sets the content to the mean ΔE_ITP of pictures of the last of these scripts against its subject, as JSON.
 SRBF_EXPORT(blender_error) int blender_error(int number) {
     const Subject* subject = subject_of(number);
     if (!subject || g_closures.knots() == 0) return fail(unknown("that of a script's measurement or model"));
@@ -354,18 +349,13 @@ SRBF_EXPORT(blender_error) int blender_error(int number) {
     return set_json(compare_pictures(f, {&fitted, 1}, {.is_isotropic = isotropic})[0].mean.delta_e);
 }
 
-/// The subject as a table, for a file with this name.
+/// Sets the content to the subject as a table, for a file with this name.
 SRBF_EXPORT(table) int table(int number, const char* file, std::size_t size) {
     const Subject* subject = subject_of(number);
     if (!subject) return fail(unknown("that of a measurement or a model"));
     const Format* format = format_written_to(text_of(file, size));
     if (!format)
-        return fail({"table",
-                     {},
-                     "name",
-                     "one that ends in " + extensions_of_formats(),
-                     text_of(file, size),
-                     ErrorCode::argument});
+        return fail(invalid("table", "name", "one that ends in " + extensions_of_formats(), text_of(file, size)));
     auto bytes = table_file(subject->content, *format, {.description = stem_of(subject->path)});
     if (bytes) return set_result(bytes);
     Error error = bytes.error();
@@ -388,7 +378,7 @@ SRBF_EXPORT(set_studio) int set_studio(const std::byte* bytes, std::size_t size)
     g_studio = halved(*image);
     return 1;
 }
-/// The data for web/viewer.js: the data that all pictures share, and the data of one subject.
+/// Sets the content to data for web/viewer.js: that which all pictures share, and that of one subject.
 SRBF_EXPORT(viewer_data) int set_viewer_data() { return set_content(std::string_view(viewer_data())); }
 SRBF_EXPORT(viewer_material) int set_viewer_material(int number) {
     const Subject* subject = subject_of(number);
@@ -405,7 +395,7 @@ SRBF_EXPORT(viewer_material) int set_viewer_material(int number) {
     return set_content(std::string_view(viewer_material(page_material)));
 }
 
-/// SVG plots of a measurement and of its model (0: none), concatenated.
+/// Sets the content to SVG plots of a measurement and of its model (0: none), concatenated.
 SRBF_EXPORT(slices) int slices(int measured, int model) {
     std::vector<SliceCurve> curves;
     bool both_sides = false;
@@ -423,7 +413,7 @@ SRBF_EXPORT(slices) int slices(int measured, int model) {
     return set_content(std::string_view(drawings));
 }
 
-/// The page of a model with its measurement, as `srbf export --to html --reference` writes it.
+/// Sets the content to the page of a model with its measurement, as `srbf export --to html --reference` writes it.
 SRBF_EXPORT(page) int page(int model, int measured) {
     const Subject *subject = subject_of(model), *reference = subject_of(measured);
     if (!model_of(subject)) return fail(unknown("that of a model"));

@@ -6,35 +6,37 @@
 //                it shows edits
 //   edit         `index`, `edit` of a material that shows edits: shares, roughness (factor, own), colours (two matrices)
 //   environment  `image` (width, height, texels)
-//   draw         `pictures`, each with `subject` (a material's index, or "difference" of the first two), width,
-//                height, scene; `is_quick`: starts with the coarsest picture, because another one may follow at once
+//   draw         `number` of the request; `pictures`, each with `subject` (a material's index, or "difference" of the first two),
+//                width, height, scene; `is_new`: forgets the samples so far; `reset_exposure`: sets a new exposure under an
+//                environment; `is_quick`: starts with the coarsest picture, because another one may follow at once
 //   rest         `is_resting`: take few samples of a picture, because a fit is running
 //   lose         for tests: loses the context, or restores it
 // and posts { kind, .. }: picture (subject, image, number), drawn (number, samples, exposure), refused (subject, why), busy
 // (compiling shaders), environment (preparing one), lost, restored.
 "use strict";
-function painting(surface, post) {
+function painting(canvas, post) {
 "use strict";
 const light = lighting();
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-const gl = surface.getContext("webgl2", { alpha: false, antialias: true });
-if (!gl) return post({ kind: "none" }), null;
+const gl = canvas.getContext("webgl2", { alpha: false, antialias: true });
+if (!gl) post({ kind: "none" });
+if (!gl) return null;
 const has_floats = gl.getExtension("EXT_color_buffer_float") !== null;
-const k_samples = 1024, k_samples_resting = 8; // of a picture whose scene does not change
+const k_max_samples = 1024, k_max_samples_resting = 8; // of a picture whose scene does not change
 const k_difference_gain = 10;
-const k_quick = 10, k_coarsest = 8; // milliseconds for a quick picture; its pixels are up to this many times wider
-const k_calm = 150; // milliseconds from a quick picture to the detailed one
+const k_quick_ms = 10, k_coarsest = 8; // milliseconds for a quick picture; its pixels are up to this many times wider
+const k_detail_delay_ms = 150; // from a quick picture to the detailed one
 
 let data = null, descriptions = {}, image = null;
-// Objects of the context, which are lost with it.
-let materials = {}, meshes = {}, programs = new Map(), last_pictures = {}, environment = null, visible = null, develop = null, comparison = null, smoothing = null, means = {};
+// Objects of the context, which are lost with it. `visible`: a buffer with the visible surface. `means`: buffers with means of samples.
+let materials = {}, meshes = {}, programs = new Map(), last_pictures = {}, environment = null, visible = null, means = {};
+let develop_program = null, difference_program = null, smoothing_program = null;
 // Pictures under an environment have a number of samples that were averaged, and an exposure.
-let samples = 0, exposure = 1, is_exposed = false, is_resting = false;
+let samples = 0, exposure = 1, has_exposure = false, is_resting = false;
 // The last measured time of a sample of a pixel, in milliseconds. Until it is known, pictures start at the coarsest level.
-let pace = Infinity;
+let sample_ms = Infinity;
 
-// The matrix from world to clip coordinates, column-major. `shift` moves the picture, in units of its width and
-// height.
+// The matrix from world to clip coordinates, column-major. `shift` moves the picture, in units of its width and height.
 function to_clip({ eye, target, half, frame }, shift = [0, 0]) {
   const distance = Math.hypot(...eye.map((x, i) => x - target[i]));
   const near = Math.max(distance - 4, distance * 0.02), far = distance + 4;
@@ -49,21 +51,13 @@ function to_clip({ eye, target, half, frame }, shift = [0, 0]) {
 
 const bytes_of = (base64) => Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
 
-const k_formats = {
-  RGBA16F: ["RGBA", "HALF_FLOAT", Uint16Array],
-  RGBA32F: ["RGBA", "FLOAT", Float32Array],
-  RGBA32UI: ["RGBA_INTEGER", "UNSIGNED_INT", Uint32Array],
-};
-
+// The layout and type of a texture's numbers, and their array.
+const k_formats = { RGBA16F: ["RGBA", "HALF_FLOAT", Uint16Array], RGBA32F: ["RGBA", "FLOAT", Float32Array],
+  RGBA32UI: ["RGBA_INTEGER", "UNSIGNED_INT", Uint32Array] };
 function new_texture(gl, { target, format, size, texels }) {
   const bind_point = gl["TEXTURE_" + target], [pixel, type, Numbers] = k_formats[format];
   const numbers = new Numbers(bytes_of(texels).buffer);
-  const texture = gl.createTexture();
-  gl.bindTexture(bind_point, texture);
-  const filter = target === "3D" ? gl.LINEAR : gl.NEAREST;
-  gl.texParameteri(bind_point, gl.TEXTURE_MIN_FILTER, filter);
-  gl.texParameteri(bind_point, gl.TEXTURE_MAG_FILTER, filter);
-  for (const axis of ["S", "T", "R"]) gl.texParameteri(bind_point, gl["TEXTURE_WRAP_" + axis], gl.CLAMP_TO_EDGE);
+  const texture = light.new_empty_texture(gl, bind_point, target === "3D" ? gl.LINEAR : gl.NEAREST);
   if (target === "3D") {
     gl.texParameteri(bind_point, gl.TEXTURE_WRAP_S, gl.REPEAT); // the difference angle's azimuth
     gl.texImage3D(bind_point, 0, gl[format], ...size, 0, gl[pixel], gl[type], numbers);
@@ -77,14 +71,12 @@ function new_texture(gl, { target, format, size, texels }) {
   }
   return { bind_point, texture };
 }
-
 function compile(gl, type, text) {
   const shader = gl.createShader(type);
   gl.shaderSource(shader, text);
   gl.compileShader(shader);
   return shader;
 }
-
 // A program with the locations of its uniforms. Throws the browser's log if it refuses the text.
 function new_program(vertex, fragment) {
   const program = gl.createProgram(), locations = {};
@@ -95,8 +87,6 @@ function new_program(vertex, fragment) {
     throw new Error(stages.map((stage) => gl.getShaderInfoLog(stage)).join(" ") + gl.getProgramInfoLog(program));
   return { program, location: (name) => locations[name] ??= gl.getUniformLocation(program, name) };
 }
-
-
 // The program for these texts. Materials with the same text share it.
 function program_of(vertex, fragment) {
   const key = vertex + fragment;
@@ -106,7 +96,6 @@ function program_of(vertex, fragment) {
   }
   return programs.get(key);
 }
-
 // Sets the uniforms that hold the numbers of a material.
 function use_numbers({ program, location }, { block, vectors, vectors_name, nodes, grains, textures, description: { edit } }) {
   gl.useProgram(program);
@@ -121,7 +110,6 @@ function use_numbers({ program, location }, { block, vectors, vectors_name, node
   if (location("mixture_numbers")) gl.uniform4fv(location("mixture_numbers"), nodes);
   if (location("mixture_grain")) gl.uniform2fv(location("mixture_grain"), grains);
 }
-
 function new_material(description) {
   const { block, textures = [], text } = description, floats = (numbers) => numbers && new Float32Array(bytes_of(numbers).buffer);
   const material = { description, ...program_of(data.vertex, text), block: null, vectors_name: description.vectors_name };
@@ -142,13 +130,12 @@ function forget_material(index) {
 }
 const material_of = (index) => materials[index] ??= new_material(descriptions[index]);
 
-// The program of the same material under an environment; compiled when it is first needed.
-function under_environment(index) {
+// The program that draws a material under an environment; compiled when it is first needed.
+function environment_program_of(index) {
   const material = material_of(index), { text, two_sided } = material.description;
   const pixel = two_sided ? data.environment_pixel_of_both_sides : data.environment_pixel;
-  return material.lit ??= program_of(data.whole, text.slice(0, text.length - data.pixel.length) + pixel);
+  return material.environment_program ??= program_of(data.whole, text.slice(0, text.length - data.pixel.length) + pixel);
 }
-
 function new_mesh(gl, { vertices, triangles, index_bytes }) {
   const array = gl.createVertexArray(), indices = bytes_of(triangles);
   gl.bindVertexArray(array);
@@ -164,7 +151,6 @@ function new_mesh(gl, { vertices, triangles, index_bytes }) {
   const type = index_bytes === 2 ? gl.UNSIGNED_SHORT : gl.UNSIGNED_INT;
   return { array, corners: indices.length / index_bytes, type };
 }
-
 function use_material(index, program, scene) {
   const { block, textures } = materials[index], { location } = program;
   use_numbers(program, materials[index]);
@@ -177,7 +163,6 @@ function use_material(index, program, scene) {
     gl.bindTexture(bind_point, texture);
   });
 }
-
 function draw_mesh({ program, location }, scene, shift) {
   gl.useProgram(program);
   gl.uniformMatrix4fv(location("to_clip"), false, to_clip(scene, shift));
@@ -186,7 +171,6 @@ function draw_mesh({ program, location }, scene, shift) {
   gl.bindVertexArray(array);
   gl.drawElements(gl.TRIANGLES, corners, type, 0);
 }
-
 function draw_under_lights(index, scene) {
   gl.clearColor(...data.background, 1);
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
@@ -195,9 +179,8 @@ function draw_under_lights(index, scene) {
   gl.uniform1f(material.location("exposure"), scene.exposure);
   draw_mesh(material, scene);
 }
-
 // Draws a triangle that covers the picture. The textures use the units from `unit` on.
-function draw_whole({ location }, textures, unit) {
+function draw_full_screen({ location }, textures, unit) {
   for (const [sampler, texture] of Object.entries(textures)) {
     gl.activeTexture(gl.TEXTURE0 + unit);
     gl.bindTexture(gl.TEXTURE_2D, texture);
@@ -207,23 +190,25 @@ function draw_whole({ location }, textures, unit) {
   gl.bindVertexArray(null);
   gl.drawArrays(gl.TRIANGLES, 0, 3);
 }
-
+// The buffer, or null if it has another size, in which case it is deleted.
+function reusable(buffer, width, height) {
+  if (!buffer || buffer.width === width && buffer.height === height) return buffer;
+  light.delete_buffer(gl, buffer);
+  return null;
+}
 // Draws the surface at 2 x 2 points of each pixel. One of them lies `shift` pixels from the pixel's centre.
 function draw_surface(scene, width, height, shift) {
   const fine = [2 * width, 2 * height];
-  if (visible && (visible.width !== fine[0] || visible.height !== fine[1]))
-    light.delete_buffer(gl, visible), visible = null;
-  visible ??= { ...light.new_buffer(gl, ...fine, 2, true), ...program_of(data.vertex, data.surface) };
-  visible.seen = null;
+  visible = reusable(visible, ...fine) ?? { ...light.new_buffer(gl, ...fine, 2, true), ...program_of(data.vertex, data.surface) };
+  visible.key = null;
   gl.bindFramebuffer(gl.FRAMEBUFFER, visible.framebuffer);
   gl.viewport(0, 0, ...fine);
   gl.clearColor(0, 0, 0, 0);
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    // The shift of all points. The point of the sample lies in the lower or the upper half of its pixel.
+  // The shift of all points. The point of the sample lies in the lower or the upper half of its pixel.
   draw_mesh(visible, scene, shift.map((x, axis) => (x + (x < 0 ? 0.25 : -0.25)) / [width, height][axis]));
   gl.viewport(0, 0, width, height);
 }
-
 // Two buffers of a material, which alternately hold the mean of its samples.
 function means_of(index, width, height) {
   const buffers = means[index];
@@ -231,13 +216,11 @@ function means_of(index, width, height) {
   if (buffers) for (const buffer of buffers) light.delete_buffer(gl, buffer);
   return means[index] = [0, 1].map(() => light.new_buffer(gl, width, height, 1, false));
 }
-
-// Adds sample `count` to a mean: reads it from `source` and writes it to `target`, at the points that
-// `draw_surface` found.
+// Adds sample `count` to a mean: reads it from `source` and writes it to `target`, at the points that `draw_surface` found.
 function draw_sample(index, scene, count, source, target, shift) {
-  const lit = under_environment(index), { width, height } = target, { location } = lit, { scale, textures } = environment;
+  const program = environment_program_of(index), { width, height } = target, { location } = program, { scale, textures } = environment;
   gl.bindFramebuffer(gl.FRAMEBUFFER, target.framebuffer);
-  use_material(index, lit, scene);
+  use_material(index, program, scene);
   // The rows are the environment's x, y and z axes in the world.
   const s = Math.sin(scene.turned), c = Math.cos(scene.turned);
   gl.uniformMatrix3fv(location("into_environment"), false, [c, 0, s, 0, 1, 0, -s, 0, c]);
@@ -248,10 +231,9 @@ function draw_sample(index, scene, count, source, target, shift) {
   gl.uniform1i(location("sample_index"), count);
   gl.uniform2f(location("picture_size"), width, height);
   gl.uniform2f(location("shift"), ...shift);
-  draw_whole(lit, { surface_positions: visible.textures[0], surface_normals: visible.textures[1], before: source.textures[0],
+  draw_full_screen(program, { surface_positions: visible.textures[0], surface_normals: visible.textures[1], before: source.textures[0],
     ...textures }, materials[index].textures.length);
 }
-
 function prepare_environment() {
   if (environment) return;
   post({ kind: "environment" });
@@ -281,21 +263,24 @@ function develop_mean(mean, count, scene) {
   const { width, height } = mean, reach = count < 4 ? 2 : count < 8 ? 1 : 0, [picture] = reach ? means_of("smooth", width, height) : [mean];
   if (reach) {
     if (visible.width !== 2 * width || visible.height !== 2 * height) draw_surface(scene, width, height, light.shift_of(0));
-    smoothing ??= new_program(data.whole, k_smoothing_text);
+    smoothing_program ??= new_program(data.whole, k_smoothing_text);
     gl.bindFramebuffer(gl.FRAMEBUFFER, picture.framebuffer);
     gl.viewport(0, 0, width, height);
-    gl.useProgram(smoothing.program);
-    gl.uniform1i(smoothing.location("reach"), reach);
-    draw_whole(smoothing, { radiance: mean.textures[0], normals: visible.textures[1] }, 0);
+    gl.useProgram(smoothing_program.program);
+    gl.uniform1i(smoothing_program.location("reach"), reach);
+    draw_full_screen(smoothing_program, { radiance: mean.textures[0], normals: visible.textures[1] }, 0);
   }
-  if (!is_exposed && !job.is_quick) exposure = light.exposure_of(gl, picture, visible, data.knee), is_exposed = job.size === 1;
-  develop ??= new_program(data.whole, data.develop);
+  if (!has_exposure && !job.is_quick) {
+    exposure = light.exposure_of(gl, picture, visible, data.knee);
+    has_exposure = job.size === 1; // a coarse picture has a preliminary one
+  }
+  develop_program ??= new_program(data.whole, data.develop);
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   gl.viewport(0, 0, width, height);
-  gl.useProgram(develop.program);
-  gl.uniform3f(develop.location("background"), ...data.background);
-  gl.uniform1f(develop.location("exposure"), exposure * scene.stops);
-  draw_whole(develop, { radiance: picture.textures[0] }, 0);
+  gl.useProgram(develop_program.program);
+  gl.uniform3f(develop_program.location("background"), ...data.background);
+  gl.uniform1f(develop_program.location("exposure"), exposure * scene.stops);
+  draw_full_screen(develop_program, { radiance: picture.textures[0] }, 0);
 }
 // Adds these samples and draws the mean so far.
 function draw_under_environment(index, scene, width, height) {
@@ -325,7 +310,7 @@ const k_highlight = 0, k_body = 1, k_around = 2;
 const k_sum_text = `
 uniform sampler2D highlight, body, around;
 uniform mat3 colours[2];
-uniform bool is_around; // whether there is a picture of the surroundings
+uniform bool is_around; // true if there is a picture of the surroundings
 uniform vec2 size;
 vec4 texel(sampler2D part, ivec2 at) { return texelFetch(part, clamp(at, ivec2(0), textureSize(part, 0) - 1), 0); }
 vec4 enlarged(sampler2D part) {
@@ -336,11 +321,11 @@ vec4 enlarged(sampler2D part) {
                mix(texel(part, first + ivec2(0, 1)), texel(part, first + ivec2(1, 1)), within.x), within.y);
 }
 void main() {
-    vec4 of_body = enlarged(body);
-    vec3 sum = colours[0] * enlarged(highlight).rgb + colours[1] * of_body.rgb;
-    vec3 shown = displayed(sum / max(of_body.w, 1.0e-3));
+    vec4 body_texel = enlarged(body); // w is the share of the pixel that the object covers
+    vec3 sum = colours[0] * enlarged(highlight).rgb + colours[1] * body_texel.rgb;
+    vec3 shown = displayed(sum / max(body_texel.w, 1.0e-3));
     shown = vec3(srgb_transfer(shown.x), srgb_transfer(shown.y), srgb_transfer(shown.z));
-    pixel = vec4(is_around ? sum + enlarged(around).rgb : mix(background, shown, of_body.w), 1.0);
+    pixel = vec4(is_around ? sum + enlarged(around).rgb : mix(background, shown, body_texel.w), 1.0);
 }`;
 
 // Adds a sample to a picture of radiances under an environment, or draws it under lights.
@@ -350,14 +335,14 @@ function draw_part(index, which, scene, width, height) {
   if (scene.around) {
     const mean = means_of(`${index} ${which}`, width, height), shift = light.shift_of(part.samples);
     part.buffer = mean[(part.samples + 1) % 2];
-    const seen = JSON.stringify([edited.key, width, height, shift]); // the same for all parts
-    if (visible?.seen !== seen) draw_surface(scene, width, height, shift), visible.seen = seen;
+    const key = JSON.stringify([edited.key, width, height, shift]); // the same for all parts
+    if (visible?.key !== key) draw_surface(scene, width, height, shift);
+    visible.key = key;
     gl.viewport(0, 0, width, height);
     draw_sample(index, scene, part.samples, mean[part.samples % 2], part.buffer, shift);
   } else {
     const material = material_of(index), { text } = material.description;
-    if (part.buffer && (part.buffer.width !== width || part.buffer.height !== height)) light.delete_buffer(gl, part.buffer), part.buffer = null;
-    part.buffer ??= light.new_buffer(gl, width, height, 1, true);
+    part.buffer = reusable(part.buffer, width, height) ?? light.new_buffer(gl, width, height, 1, true);
     gl.bindFramebuffer(gl.FRAMEBUFFER, part.buffer.framebuffer);
     gl.viewport(0, 0, width, height);
     gl.clearColor(0, 0, 0, 0);
@@ -368,31 +353,34 @@ function draw_part(index, which, scene, width, height) {
   }
   ++part.samples;
 }
-
 // Draws the missing parts (coarsely for a quick picture that would take long), or else one more sample of each part.
 function draw_parts(index, scene, width, height) {
   const { is_quick } = job, { edit } = descriptions[index], { mesh, eye, frame, directions, irradiances, turned, around } = scene;
   const key = JSON.stringify([index, width, height, mesh, eye, frame, directions, irradiances, turned, around]);
-  if (edited?.key !== key) forget_edited(), edited = { key, parts: [0, 1, 2].map(() => ({ samples: 0, size: 0, buffer: null })), duration: 0 };
-  const { parts } = edited, is_rougher = edited.roughness !== edit.roughness[0], drawn = around ? parts : parts.slice(0, k_around);
+  if (edited?.key !== key) {
+    forget_edited();
+    edited = { key, parts: [0, 1, 2].map(() => ({ samples: 0, size: 0, buffer: null })), duration: 0 };
+  }
+  const { parts } = edited, has_new_roughness = edited.roughness !== edit.roughness[0], drawn = around ? parts : parts.slice(0, k_around);
   // When nothing moves, a picture under lights has four points per pixel.
-  const whole = around || is_quick ? 1 : 2, coarse = 1 / Math.min(Math.max(Math.ceil(Math.sqrt(edited.duration / k_quick)), 1), k_coarsest);
+  const whole = around || is_quick ? 1 : 2, coarse = 1 / Math.min(Math.max(Math.ceil(Math.sqrt(edited.duration / k_quick_ms)), 1), k_coarsest);
   for (const part of drawn) {
-    const is_new = part.samples === 0 || part === parts[k_highlight] && is_rougher;
+    const is_new = part.samples === 0 || part === parts[k_highlight] && has_new_roughness;
     const size = is_quick ? is_new ? part.samples > 0 ? coarse : whole : part.size : whole;
-    if (is_new || size !== part.size) part.samples = 0, part.size = size;
+    if (is_new || size !== part.size) Object.assign(part, { samples: 0, size });
   }
   edited.roughness = edit.roughness[0];
   if (around) prepare_environment();
-  const least = Math.min(...drawn.map(({ samples }) => samples));
+  const fewest = Math.min(...drawn.map(({ samples }) => samples));
   for (const part of drawn) {
-    if (part.samples > least || least > 0 && (is_quick || !around)) continue;
+    if (part.samples > fewest || fewest > 0 && (is_quick || !around)) continue;
     const which = parts.indexOf(part), start = performance.now();
     draw_part(index, which, scene, ...[width, height].map((n) => Math.max(Math.round(part.size * n), 1)));
-    if (which === k_highlight) finish(part.buffer), edited.duration = (performance.now() - start) / part.size ** 2;
+    if (which !== k_highlight) continue;
+    wait_for_card(part.buffer);
+    edited.duration = (performance.now() - start) / part.size ** 2;
   }
 }
-
 function draw_edited(index, scene, width, height) {
   draw_parts(index, scene, width, height);
   const { around } = scene, { edit } = descriptions[index], { parts } = edited;
@@ -407,7 +395,7 @@ function draw_edited(index, scene, width, height) {
   gl.uniform2f(sum.location("size"), width, height);
   gl.uniform3f(sum.location("background"), ...data.background);
   gl.uniform1f(sum.location("exposure"), scene.exposure);
-  draw_whole(sum, { highlight, body, around: beside }, 0);
+  draw_full_screen(sum, { highlight, body, around: beside }, 0);
   if (around) develop_mean(radiances, Math.min(...parts.map(({ samples }) => samples)), scene);
 }
 function forget_edited() {
@@ -415,20 +403,15 @@ function forget_edited() {
   if (edited) for (const { buffer } of edited.parts) if (buffer?.depth) light.delete_buffer(gl, buffer);
   edited = null;
 }
-
 // Keeps the last picture of a material as a texture.
 function keep_picture(index, width, height) {
-  const texture = last_pictures[index] ??= gl.createTexture();
   gl.activeTexture(gl.TEXTURE0);
-  gl.bindTexture(gl.TEXTURE_2D, texture);
-  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
-  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+  gl.bindTexture(gl.TEXTURE_2D, last_pictures[index] ??= light.new_empty_texture(gl, gl.TEXTURE_2D, gl.NEAREST));
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   gl.copyTexImage2D(gl.TEXTURE_2D, 0, gl.RGB, 0, 0, width, height, 0);
 }
-
 // The difference of the two pictures in display values, amplified.
-const k_comparison_text = `#version 300 es
+const k_difference_text = `#version 300 es
 precision highp float;
 uniform sampler2D first, second;
 uniform float gain;
@@ -438,41 +421,39 @@ void main() {
     pixel = vec4(gain * abs(texelFetch(first, texel, 0).rgb - texelFetch(second, texel, 0).rgb), 1.0);
 }`;
 function draw_difference() {
-  comparison ??= new_program(data.whole, k_comparison_text);
+  difference_program ??= new_program(data.whole, k_difference_text);
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  gl.useProgram(comparison.program);
-  gl.uniform1f(comparison.location("gain"), k_difference_gain);
-  draw_whole(comparison, { first: last_pictures[0], second: last_pictures[1] }, 0);
+  gl.useProgram(difference_program.program);
+  gl.uniform1f(difference_program.location("gain"), k_difference_gain);
+  draw_full_screen(difference_program, { first: last_pictures[0], second: last_pictures[1] }, 0);
 }
-
 function draw_picture({ subject, width, height, scene }) {
-  if (surface.width !== width || surface.height !== height) surface.width = width, surface.height = height;
+  if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
   gl.viewport(0, 0, width, height);
   if (subject === "difference") return draw_difference();
-  (descriptions[subject].edit ? draw_edited : scene.around ? draw_under_environment : draw_under_lights)(subject, scene, width, height);
+  const draw = descriptions[subject].edit ? draw_edited : scene.around ? draw_under_environment : draw_under_lights;
+  draw(subject, scene, width, height);
   if (subject < 2) keep_picture(subject, width, height);
 }
-
-// Waits until the graphics card has finished what is shown, or a buffer of floats.
-function finish(buffer = null) {
+// Waits until the graphics card has finished the canvas, or a buffer of floats.
+function wait_for_card(buffer = null) {
   gl.bindFramebuffer(gl.FRAMEBUFFER, buffer && buffer.framebuffer);
   gl.readPixels(0, 0, 1, 1, gl.RGBA, buffer ? gl.FLOAT : gl.UNSIGNED_BYTE, new (buffer ? Float32Array : Uint8Array)(4));
 }
-
 const pixels_of = (pictures) => pictures.reduce((sum, { width, height }) => sum + width * height, 0);
 // The initial resolution of a new picture, relative to the page's pixels: lower under an environment if samples are slow.
 // Edits choose their own resolution.
-function first_size({ is_quick, pictures }) {
-  if (is_quick || samples > 0 || !pictures.length || !pictures[0].scene.around || pictures.some(({ subject }) => descriptions[subject]?.edit)) return 1;
-  return Math.min(Math.max(Math.sqrt(k_quick / (pace * pixels_of(pictures))), 1 / k_coarsest), 1);
+function initial_size({ is_quick, pictures }) {
+  if (is_quick || samples > 0 || !pictures.length || !pictures[0].scene.around) return 1;
+  if (pictures.some(({ subject }) => descriptions[subject]?.edit)) return 1;
+  return Math.min(Math.max(Math.sqrt(k_quick_ms / (sample_ms * pixels_of(pictures))), 1 / k_coarsest), 1);
 }
-const resized = (size) => ({ width, height, ...rest }) => ({ ...rest, width: Math.max(Math.round(size * width), 1), height: Math.max(Math.round(size * height), 1) });
+const resize_by = (size) => ({ width, height, ...rest }) => ({ ...rest, width: Math.max(Math.round(size * width), 1), height: Math.max(Math.round(size * height), 1) });
 
 // Draws one round of pictures. A difference needs the pictures of both materials.
 function draw_all({ number, size, pictures: whole }) {
-  const pictures = whole.map(resized(size));
-  const difference = pictures.find(({ subject }) => subject === "difference"), round = pictures.filter(({ subject }) => subject !== "difference");
-  const requested = new Set(round.map(({ subject }) => subject));
+  const pictures = whole.map(resize_by(size)), difference = pictures.find(({ subject }) => subject === "difference");
+  const round = pictures.filter(({ subject }) => subject !== "difference"), requested = new Set(round.map(({ subject }) => subject));
   if (difference) for (const subject of [0, 1]) if (!requested.has(subject)) round.push({ ...difference, subject, hidden: true });
   let drawn = 0;
   for (const picture of difference ? [...round, difference] : round) {
@@ -487,18 +468,17 @@ function draw_all({ number, size, pictures: whole }) {
     }
     ++drawn;
     if (picture.hidden) continue;
-    finish(); // an unfinished picture would block the page
-    const image = surface.transferToImageBitmap ? surface.transferToImageBitmap() : surface;
-    post({ kind: "picture", subject, image, number }, image === surface ? [] : [image]);
+    wait_for_card(); // an unfinished picture would block the page
+    const image = canvas.transferToImageBitmap ? canvas.transferToImageBitmap() : canvas;
+    post({ kind: "picture", subject, image, number }, image === canvas ? [] : [image]);
   }
-  finish(); // finishes these pictures before the next are begun
+  wait_for_card(); // finishes these pictures before the next are begun
   if (size < 1) return drawn;
   if (drawn && pictures[0].scene.around) samples += samples_added();
   post({ kind: "drawn", number, samples, exposure });
   return drawn;
 }
-
-let job = null, timer = 0, loss = null;
+let job = null, timer = 0, context_loss = null; // the last `draw` message with the size of its next round
 function draw_soon(milliseconds) {
   clearTimeout(timer);
   timer = setTimeout(() => {
@@ -506,41 +486,46 @@ function draw_soon(milliseconds) {
     const start = performance.now(), { is_quick, size, pictures } = job, added = samples_added();
     if (!draw_all(job)) return;
     job.is_quick = false;
-    if (pictures[0].scene.around && !is_quick) pace = (performance.now() - start) / (size ** 2 * pixels_of(pictures) * added);
+    const { around } = pictures[0].scene, duration = performance.now() - start;
+    if (around && !is_quick) sample_ms = duration / (size ** 2 * pixels_of(pictures) * added);
     if (size < 1) {
-      job.size = Math.min(Math.max(2 * size, first_size(job)), 1);
+      job.size = Math.min(Math.max(2 * size, initial_size(job)), 1);
       draw_soon(0);
-    } else if (is_quick) draw_soon(k_calm);
-    else if (job.pictures[0].scene.around && samples < (is_resting ? k_samples_resting : k_samples)) draw_soon(Math.max(0, 16 - (performance.now() - start)));
+    } else if (is_quick) draw_soon(k_detail_delay_ms);
+    else if (around && samples < (is_resting ? k_max_samples_resting : k_max_samples)) draw_soon(Math.max(0, 16 - duration)); // a frame
   }, milliseconds);
 }
-
-function load() {
-  materials = {}, programs = new Map(), last_pictures = {}, environment = visible = develop = comparison = smoothing = edited = null, means = {}, meshes = {};
+// Forgets the objects of the context, and makes the meshes.
+function reset_context() {
+  materials = {}, programs = new Map(), last_pictures = {}, means = {}, meshes = {};
+  environment = visible = develop_program = difference_program = smoothing_program = edited = null;
   for (const name in data.meshes) meshes[name] = new_mesh(gl, data.meshes[name]);
   samples = 0;
 }
 
 const actions = {
-  common(message) { data = message.data, descriptions = {}, load(); },
+  common(message) {
+    data = message.data, descriptions = {};
+    reset_context();
+  },
   material({ index, material, is_edited }) {
     forget_material(index);
     forget_edited();
     descriptions[index] = material && material.bytes ? JSON.parse(new TextDecoder().decode(material.bytes)) : material;
     if (is_edited) descriptions[index].text = descriptions[index].text.replace("#define SIDES", "#define PM_EDITED\n#define SIDES");
     samples = 0;
-    if (index === 0) is_exposed = false;
+    if (index === 0) has_exposure = false;
   },
   edit({ index, edit }) { if (descriptions[index]) descriptions[index].edit = edit; },
   environment(message) {
     forget_edited();
     if (environment) for (const texture of Object.values(environment.textures)) gl.deleteTexture(texture);
-    environment = null, image = message.image, is_exposed = false, samples = 0;
+    environment = null, image = message.image, has_exposure = false, samples = 0;
   },
   draw(message) {
     if (message.is_new) samples = 0;
-    if (message.exposes) is_exposed = false;
-    job = { ...message, size: first_size(message) };
+    if (message.reset_exposure) has_exposure = false;
+    job = { ...message, size: initial_size(message) };
     draw_soon(0);
   },
   rest(message) {
@@ -548,17 +533,18 @@ const actions = {
     if (!is_resting) draw_soon(0);
   },
   lose({ is_lost }) {
-    loss ??= gl.getExtension("WEBGL_lose_context");
-    is_lost ? loss.loseContext() : loss.restoreContext();
+    context_loss ??= gl.getExtension("WEBGL_lose_context");
+    if (is_lost) context_loss.loseContext();
+    else context_loss.restoreContext();
   },
 };
-surface.addEventListener("webglcontextlost", (event) => {
+canvas.addEventListener("webglcontextlost", (event) => {
   event.preventDefault();
   post({ kind: "lost" });
 });
-surface.addEventListener("webglcontextrestored", () => {
+canvas.addEventListener("webglcontextrestored", () => {
   gl.getExtension("EXT_color_buffer_float");
-  if (data) load();
+  if (data) reset_context();
   post({ kind: "restored" });
   if (job) draw_soon(0);
 });

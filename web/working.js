@@ -1,8 +1,7 @@
 // The page's worker. It reads, fits and writes, so that the page itself never waits. The text of this function is
-// self-contained.
-// It receives { kind: "begin", module, studio, prepared }, compressed or as an earlier worker returned them, and then {
-// kind, id, .. } where kind names one of `actions`. It posts { id, result } or { id, error }; during a fit also {
-// progress, stage } and once { draft }, a first model.
+// self-contained. It receives { kind: "begin", id, module, studio, prepared }, compressed or as an earlier worker returned
+// them, and then { kind, id, .. } where kind names one of `actions`. It posts { id, result } or { id, error }; during a fit
+// also { progress, stage } and once { draft }, a first model.
 "use strict";
 function working() {
 "use strict";
@@ -15,20 +14,17 @@ async function unpack(text) {
   for (let i = 0; i < packed.length; ++i) bytes[i] = packed.charCodeAt(i);
   return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer());
 }
-
 // The material of a picture, as bytes because the page only passes it on; null without a picture.
 function material_of({ number }) {
   const bytes = srbf.viewer_material(number), material = JSON.parse(new TextDecoder().decode(bytes));
   return material && { bytes, exposure: material.exposure };
 }
-
-// The same for a ready material, from `prepared`, which site.mjs computed.
-function prepared_for(name) {
+// The material of a ready model's picture, and the data for previews of its edits, from `prepared`, which site.mjs computed.
+function prepared_picture(name) {
   const { material, highlight } = prepared.models[name], text = material.text.map((line) => prepared.lines[line]).join("\n");
   return { highlight, material: { bytes: new TextEncoder().encode(JSON.stringify({ ...material, text })), exposure: material.exposure } };
 }
-
-let part = [0, 1]; // the part of an action to which the module's progress refers
+let span = [0, 1]; // the part of an action to which the module's progress refers
 const k_draft_part = 0.15; // approximate share of the draft in the time of a fit
 
 const actions = {
@@ -38,7 +34,7 @@ const actions = {
     const opened = srbf.open(name, bytes);
     if (opened.model) {
       model = opened;
-      const shown = is_ready ? prepared_for(name) : { highlight: srbf.highlight(model.number), material: material_of(model) };
+      const shown = is_ready ? prepared_picture(name) : { highlight: srbf.highlight(model.number), material: material_of(model) };
       return { ...model, ...shown, slices: srbf.slices(0, model.number) };
     }
     measured = opened;
@@ -46,11 +42,11 @@ const actions = {
   },
   fit({ options }) {
     if (!measured.twoSided) {
-      part = [0, k_draft_part];
+      span = [0, k_draft_part];
       const { number, ...report } = srbf.draft(measured.number, options), material = material_of({ number });
       postMessage({ draft: { ...report, material, slices: srbf.slices(measured.number, number) } }, [material.bytes.buffer]);
       srbf.close(number);
-      part = [k_draft_part, 1];
+      span = [k_draft_part, 1];
     }
     const fitted = srbf.fit(measured.number, options);
     for (const subject of [model, edited]) if (subject) srbf.close(subject.number);
@@ -65,30 +61,27 @@ const actions = {
     if (Object.keys(edits).length) edited = srbf.edit(model.number, edits);
     return edited ? { ...edited, material: material_of(edited), file: srbf.model_file(edited.number) } : {};
   },
-  // Opens the models that an earlier worker made from this file, from their bytes.
-  restore(made) {
-    if (made.fitted) model = srbf.open(`${made.name}.srbf`, made.fitted);
-    if (made.edited) edited = srbf.open(`${made.name}_edited.srbf`, made.edited);
+  // Opens the models that an earlier worker made from this file. `files`: their name and bytes.
+  restore(files) {
+    if (files.fitted) model = srbf.open(`${files.name}.srbf`, files.fitted);
+    if (files.edited) edited = srbf.open(`${files.name}_edited.srbf`, files.edited);
     return {};
   },
   // The content is a Blob, which the page receives without a copy. A material for Blender reports its own error.
   // `measurement`: the name and packed bytes of the model's measurement, or null if the page does not have it.
   async save({ what, name, measurement }) {
     const opened = measurement && srbf.open(measurement.name, await unpack(measurement.bytes));
-    const { number } = edited ?? model, table = opened ?? measured, is_table = table && !table.twoSided && table.samples === null;
-    const for_blender = !edited && is_table ? table.number : number; // nearer to a measurement than to its fit
-    const content = what === "srbf" ? srbf.model_file(number)
-      : what === "table" ? srbf.table(number, name)
-      : what === "page" ? srbf.page(number, measured?.number ?? 0)
-      : what === "blender" ? srbf.blender(for_blender)
-      : srbf.code(number, what);
+    const { number } = edited ?? model, source = opened ?? measured, is_table = source && !source.twoSided && source.samples === null;
+    const for_blender = !edited && is_table ? source.number : number; // nearer to a measurement than to its fit
+    const writers = { srbf: () => srbf.model_file(number), table: () => srbf.table(number, name), blender: () => srbf.blender(for_blender),
+      page: () => srbf.page(number, measured?.number ?? 0) };
+    const content = writers[what] ? writers[what]() : srbf.code(number, what);
     const error = what === "blender" ? { deltaE: srbf.blender_error(for_blender), isOfModel: for_blender === number } : null;
     if (opened) srbf.close(opened.number);
     return { content: new Blob([content], { type: "application/octet-stream" }), error };
   },
 };
-
-let last = 0;
+let last_report = 0; // the time of the last progress that was posted
 onmessage = async ({ data }) => {
   const { kind, id } = data;
   try {
@@ -98,14 +91,16 @@ onmessage = async ({ data }) => {
       prepared = typeof data.prepared === "string" ? JSON.parse(new TextDecoder().decode(await unpack(data.prepared))) : data.prepared;
       srbf = await new_srbf(module, (stage, fraction) => {
         const now = performance.now();
-        if (now - last > 80) last = now, postMessage({ progress: part[0] + (part[1] - part[0]) * fraction, stage });
+        if (now - last_report <= 80) return true;
+        postMessage({ progress: span[0] + (span[1] - span[0]) * fraction, stage });
+        last_report = now;
         return true;
       });
       srbf.set_studio(studio);
       return postMessage({ id, result: { cache: { module, studio, prepared }, viewer: srbf.viewer_data() } });
     }
     if (typeof data.bytes === "string") data.bytes = await unpack(data.bytes);
-    part = [0, 1];
+    span = [0, 1];
     const result = await actions[kind](data);
     postMessage({ id, result }, result.material ? [result.material.bytes.buffer] : []);
   } catch (error) {

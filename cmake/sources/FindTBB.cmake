@@ -1,3 +1,4 @@
+# TBB, compiled from source.
 file(GLOB tbb_source ${SRBF_SOURCES}/oneTBB-* ${SRBF_SOURCES}/onetbb-*)
 file(GLOB tbb_files ${tbb_source}/src/tbb/*.cpp)
 add_library(tbb STATIC ${tbb_files})

@@ -1,3 +1,4 @@
+# fmt, header-only.
 find_path(FMT_INCLUDE_DIR fmt/format.h PATHS /usr/include)
 add_library(fmt::fmt INTERFACE IMPORTED)
 target_include_directories(fmt::fmt INTERFACE ${FMT_INCLUDE_DIR})

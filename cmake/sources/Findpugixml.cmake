@@ -1,3 +1,4 @@
+# pugixml, compiled from source.
 file(GLOB pugixml_source ${SRBF_SOURCES}/pugixml-*/src)
 add_library(pugixml STATIC ${pugixml_source}/pugixml.cpp)
 target_include_directories(pugixml SYSTEM PUBLIC ${pugixml_source})

@@ -1,2 +1,2 @@
-add_library(TBB::tbb INTERFACE IMPORTED)  # headers alone, of `include`
+add_library(TBB::tbb INTERFACE IMPORTED)  # our own headers in `include`, which use one thread
 set(TBB_FOUND TRUE)

@@ -5,9 +5,8 @@ import subprocess
 import sys
 import tempfile
 
-here = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.join(here, "..", "..", "test"))
-from support import chromium  # noqa: E402
+from clone import ROOT
+from support import chromium
 
 PANEL, PATHS = 140, 96  # pixels of a panel, paths of a pixel
 HIDDEN = 14  # rows of a picture that are not shown, of the dark room above the horizon
@@ -37,7 +36,7 @@ STYLE = f"""body {{ margin: 0; background: #fff; color: #222; font: 17px DejaVu 
     i {{ display: block; height: {PANEL - HIDDEN}px; }} .unedited i {{ outline: 4px solid #c40; outline-offset: -4px }} .unedited {{ font-weight: bold }}"""
 
 program, out = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
-ready = lambda name: os.path.join(here, "..", "..", "data", "gallery", name + ".srbf")
+ready = lambda name: os.path.join(ROOT, "data", "gallery", name + ".srbf")
 with tempfile.TemporaryDirectory() as work:
     run = lambda *arguments: subprocess.run([program, *arguments], check=True, stdout=subprocess.DEVNULL, cwd=work)
     page = ""

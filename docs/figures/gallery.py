@@ -6,10 +6,8 @@ import os
 import re
 import sys
 
-here = os.path.dirname(os.path.abspath(__file__))
-root = os.path.join(here, "..", "..")
-sys.path.insert(0, os.path.join(root, "test"))
-from support import chromium  # noqa: E402
+from clone import ROOT
+from support import chromium
 
 PANEL, COLUMNS, SAMPLES = (200, 150), 5, 64  # pixels of a panel, panels of a row, samples of a pixel
 ROW = 203  # pixels of a panel with its text
@@ -22,13 +20,13 @@ PICTURE = """(() => { const canvas = document.querySelector("figure[data-materia
     copy.getContext("2d").drawImage(canvas, 0, 0);
     return copy.toDataURL(); })()"""
 
-models = sorted(glob.glob(os.path.join(root, "data", "gallery", "*.srbf")), key=lambda path: (STAND_IN in path, path))
-with open(os.path.join(root, "data", "README.md"), encoding="utf-8") as file:
+models = sorted(glob.glob(os.path.join(ROOT, "data", "gallery", "*.srbf")), key=lambda path: (STAND_IN in path, path))
+with open(os.path.join(ROOT, "data", "README.md"), encoding="utf-8") as file:
     kinds = dict(re.findall(r"^\| (\w+) \| (.+?) \| a ", file.read(), re.MULTILINE))
 page, figures = chromium.Chromium(chromium.WEBGL), ""
 wait = lambda shown: page.run(f"(async () => {{ while (!({shown})) await new Promise((done) => setTimeout(done, 100)); await viewer.settled(); }})()")
 page.size(1280, 800)
-page.open(os.path.join(root, "build", "srbf.html"))
+page.open(os.path.join(ROOT, "build", "srbf.html"))
 page.run(f"document.getElementById('viewer').style.setProperty('--one', '{PANEL[0]}px')")
 for path in models:
     stem = os.path.basename(path).removesuffix(".srbf")

@@ -3,9 +3,8 @@ test/hosts/principled.py write with a third argument, beside each other under th
 import os
 import sys
 
-here = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.join(here, "..", "..", "test"))
-from support import chromium  # noqa: E402
+from clone import ROOT
+from support import chromium
 
 PANEL = 128  # pixels a side
 HEAD = 190  # pixels of the names of the rows
@@ -36,4 +35,4 @@ def page_of(three, cycles):
 
 
 three, cycles = map(os.path.abspath, sys.argv[1:])
-chromium.picture(page_of(three, cycles), HEAD + 9 * PANEL, os.path.join(here, "..", "surface_hosts.png"))
+chromium.picture(page_of(three, cycles), HEAD + 9 * PANEL, os.path.join(ROOT, "docs", "surface_hosts.png"))

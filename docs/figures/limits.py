@@ -5,12 +5,11 @@ import subprocess
 import sys
 import tempfile
 
-here = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.join(here, "..", "..", "test"))
-from support import chromium  # noqa: E402
+from clone import ROOT
+from support import chromium
 
 PANEL, HEAD = 300, 90  # pixels of a panel, and of the names of the rows
-FILM = os.path.join(here, "..", "..", "data", "cc_ibiza_sunset_rgb.bsdf")
+FILM = os.path.join(ROOT, "data", "cc_ibiza_sunset_rgb.bsdf")
 program, sunflower, obsidian, out = (os.path.abspath(path) for path in sys.argv[1:])
 # A name, the measurement, the size of the sphere in pixels, and the corner of the part that is shown.
 COLUMNS = [("vinyl film, at the rim", FILM, 700, (400, 60)), ("orange film, a highlight", sunflower, 1000, (190, 190)), ("black obsidian, of a network", obsidian, PANEL, (0, 0))]

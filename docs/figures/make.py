@@ -9,11 +9,10 @@ import os
 import subprocess
 import sys
 
-here = os.path.dirname(os.path.abspath(__file__))
-data = os.path.join(here, "..", "..", "data")
-sys.path.insert(0, os.path.join(here, "..", "..", "test"))
-from support import chromium  # noqa: E402
+from clone import ROOT
+from support import chromium
 
+data = os.path.join(ROOT, "data")
 PANEL = 360  # pixels a side
 HIDDEN, SHOWN = 37, 323  # rows of a picture that are not shown, of the dark room above the horizon, and those that are
 PATHS = 256  # a pixel
@@ -53,7 +52,7 @@ def compose(materials, work, out):
 
 program, out, *files = [word for word in sys.argv[1:] if word != "--compose"]
 materials = [FILM, *((name, stem, os.path.abspath(file)) for (name, stem), file in zip(GIVEN, files)), PAPER]
-work = os.path.abspath(os.path.join(here, "..", "..", "out", "figures"))
+work = os.path.join(ROOT, "out", "figures")
 os.makedirs(work, exist_ok=True)
 if "--compose" not in sys.argv:
     draw(os.path.abspath(program), materials, work)

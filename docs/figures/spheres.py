@@ -4,7 +4,7 @@ PYTHONPATH=build/release/python python3 docs/figures/spheres.py lights docs/ligh
     The bundled paper and film with fits of them under the eight lights; a number is ΔE_ITP of a picture against the one of the measurement.
 PYTHONPATH=build/release/python python3 docs/figures/spheres.py models docs/models.jpg RGL NETWORKS
     Four files of the folder RGL and models of them under the light `studio`; a number is the mean ΔE_ITP of the eight lights. In the second
-    row the film is under `flash`, and a number is the ΔE_ITP of this light. NETWORKS is the folder of networks that paper/rivals.py takes.
+    row the film is under `flash`, and a number is the ΔE_ITP of this light. NETWORKS is the folder of networks that paper/compare_models.py takes.
 """
 import base64
 import os
@@ -14,11 +14,10 @@ import tempfile
 import numpy as np
 import srbf
 
-here = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [os.path.join(here, "..", "..", name) for name in ("test", "paper")]
-from support import chromium  # noqa: E402
-import rivals  # noqa: E402
-import stand_ins  # noqa: E402
+from clone import ROOT
+from support import chromium
+import compare_models
+import stand_ins
 
 STYLE = """body {{ margin: 0; background: #fff; color: #222; font: 14px DejaVu Sans, sans-serif }} div {{ display: flex; align-items: center }}
     p {{ width: {0}px; margin: 0; padding-left: 8px; box-sizing: border-box; line-height: 1.35 }} b {{ width: {1}px; text-align: center; font-weight:
@@ -54,7 +53,7 @@ def lights(out):
     rows = []
     lobes, ggx = ("nine lobes", {}), ("two GGX", {"model": "ggx", "lobes": 2})
     for name, stem, fits in (("white paper", "paper_white", [lobes]), ("vinyl film", "cc_ibiza_sunset", [lobes, ggx])):
-        measured = srbf.load_measurement(os.path.join(here, "..", "..", "data", stem + "_rgb.bsdf"))
+        measured = srbf.load_measurement(os.path.join(ROOT, "data", stem + "_rgb.bsdf"))
         rows.append((f"{name},<br>measured", [sphere(measured, measured, light, 78) for light in srbf.lightings()]))
         for label, options in fits:
             model = srbf.fit(measured, **options).model
@@ -77,7 +76,7 @@ def models(out, rgl, networks):
     for stem in ("cc_ibiza_sunset", "vch_golden_yellow", "cg_sunflower", "paper_white"):
         measured = srbf.load_measurement(os.path.join(rgl, stem + "_rgb.bsdf"))
         shown = [srbf.fit(measured, **options).model for options in MODELS.values()]
-        network = rivals.network(stand_ins.rounded(stand_ins.network_of(networks, stem)))
+        network = compare_models.network(stand_ins.rounded(stand_ins.network_of(networks, stem)))
         errors = [srbf.errors(measured, brdf) for brdf in [*shown, network]]
         name = stem.replace("_", "<br>", 1).replace("_", " ")
         with tempfile.TemporaryDirectory() as work:

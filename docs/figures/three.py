@@ -14,15 +14,14 @@ import tempfile
 
 import numpy as np
 
-here = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.join(here, "..", "..", "test"))
-from support import chromium  # noqa: E402
-from support.visible_error import delta_e, displayed, equirectangular, exposure  # noqa: E402
-from support.surface_drawing import DISTANCE, ELEVATION, FIELD, pixels_of  # noqa: E402
+from clone import ROOT
+from support import chromium
+from support.visible_error import delta_e, displayed, equirectangular, exposure
+from support.surface_drawing import DISTANCE, ELEVATION, FIELD, pixels_of
 
 SIZE, PATHS = 240, 512  # pixels of a side; paths of a pixel
 FINE = 1 / 200  # the last step of the search
-data = os.path.join(here, "..", "..", "data")
+data = os.path.join(ROOT, "data")
 PAGE = """<!doctype html><script type="importmap">{ "imports": { "three": "./three.module.js" } }</script><script type="module">
 import * as THREE from "three";
 import { FilmMaterial } from "./film.js";
@@ -133,7 +132,7 @@ def main(program, three):
                     figures += f'<figure><img src="{file}"><figcaption>{name}</figcaption></figure>'
         finally:
             page.close()
-        chromium.picture(f"<style>{STYLE}</style>{figures}", 3 * SIZE, os.path.join(here, "..", "tutorials", "three_spheres.png"), work)
+        chromium.picture(f"<style>{STYLE}</style>{figures}", 3 * SIZE, os.path.join(ROOT, "docs", "tutorials", "three_spheres.png"), work)
 
 
 main(os.path.abspath(sys.argv[1]), sys.argv[2])

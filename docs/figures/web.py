@@ -4,9 +4,8 @@ import os
 import sys
 import time
 
-here = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.join(here, "..", "..", "test"))
-from support.chromium import WEBGL, Chromium  # noqa: E402
+from clone import ROOT
+from support.chromium import WEBGL, Chromium
 
 PATIENCE = 600  # seconds until a picture counts as missing
 page = Chromium(WEBGL)
@@ -22,7 +21,7 @@ def wait(shown):
 
 try:
     page.size(1280, 900)
-    page.open(os.path.join(here, "..", "..", "data", "ready", "srbf.html"))
+    page.open(os.path.join(ROOT, "data", "ready", "srbf.html"))
     page.click("#gallery a[href='#cc_ibiza_sunset']")
     wait("document.getElementById('working').hidden && !document.getElementById('editing').hidden")
     page.run("""(() => { const slider = document.getElementById("edit_roughen"); slider.value = 0.5;
@@ -32,6 +31,6 @@ try:
     wait("!document.getElementById('viewer').classList.contains('refining')")
     page.run("document.getElementById('state').scrollIntoView()")
     page.settle()
-    page.screenshot(os.path.join(here, "..", "web.jpg"))
+    page.screenshot(os.path.join(ROOT, "docs", "web.jpg"))
 finally:
     page.close()

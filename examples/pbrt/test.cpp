@@ -1,6 +1,6 @@
 // Samples the BxDF of a model from both sides of a surface, and compares the mean of f cosθ / pdf with the albedo, and
 // value and density of each sample with f and PDF. Then four threads open the model again, which is prepared once. It
-// compiles without pbrt: ../CMakeLists.txt makes headers of pbrt's names that include stand_ins.h.
+// compiles without pbrt: ../CMakeLists.txt makes headers of pbrt's names that include mock_pbrt.h.
 //   pbrt_test MODEL
 #include <cmath>
 #include <cstdio>

@@ -1,2 +1,2 @@
 # The texts of Blender's materials, which the page for any browser has too.
-embedded(blender/script_text.h ${CMAKE_CURRENT_LIST_DIR}/app/nodes.py ${CMAKE_CURRENT_LIST_DIR}/app/closures.osl)
+embed_texts(blender/script_text.h ${CMAKE_CURRENT_LIST_DIR}/app/nodes.py ${CMAKE_CURRENT_LIST_DIR}/app/closures.osl)

@@ -1,2 +1,2 @@
-list(APPEND reading extras/maps/npy.cpp)
-list(APPEND dispatched extras/maps/texel_sums.cpp)
+list(APPEND SRBF_READER_SOURCES extras/maps/npy.cpp)
+list(APPEND SRBF_SIMD_SOURCES extras/maps/texel_sums.cpp)

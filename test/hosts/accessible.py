@@ -1,14 +1,13 @@
-"""The exported page and the page of build/site, before and after a click on a ready material, at the widths of a phone, a tablet and a screen, by the rules of axe (WCAG 2 A and AA): names,
-roles, contrast of text. Axe comes with a package of PyPI."""
+"""The exported page and the page of build/site, before and after a click on a ready material, at the widths of a phone, a tablet and a screen,
+by the rules of axe (WCAG 2 A and AA): names, roles, contrast of text. Axe comes with a package of PyPI."""
 import importlib.util
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-root = Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(root / "test"))
-from support.chromium import WEBGL, Chromium, program  # noqa: E402
+from checks import ROOT, expect, finish, skip
+from support.chromium import WEBGL, Chromium, program
 
 SIZES = [(360, 740), (768, 1024), (1440, 900)]
 LEAST_CONTRAST = 4.5
@@ -46,42 +45,39 @@ def violations(chromium):
     return found["wrong"], found["passes"], found["open"]
 
 
-def judged(chromium, what):
-    found, passes, judged_by_eye = violations(chromium)
-    print(f"{what}: {passes} rules hold, {len(found)} are violated; not judged: {judged_by_eye}")
+def check_rules(chromium, name):
+    found, passes, undecided = violations(chromium)
+    expect(not found, f"{name}: {passes} rules hold, {len(found)} are violated; not judged: {undecided}")
     for rule, impact, elements in found:
-        print("  FAILED:", rule, impact, *elements[:4], sep="\n    ")
-    return found
+        print(" ", rule, impact, *elements[:4], sep="\n    ")
 
 
 def main(srbf):
-    wrong = 0
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "page.html"
         model = Path(folder) / "paper.srbf"
-        measured = root / "data/paper_white_rgb.bsdf"
+        measured = ROOT / "data/paper_white_rgb.bsdf"
         subprocess.run([srbf, "fit", measured, "-o", model], check=True, capture_output=True)
         subprocess.run([srbf, "export", model, "--to", "html", "--reference", measured, "-o", page], check=True, capture_output=True)
-        pages = [page] + [path for path in [root / "build/site/index.html", root / "build/site/gallery/index.html"] if path.exists()]
+        pages = [page] + [path for path in [ROOT / "build/site/index.html", ROOT / "build/site/gallery/index.html"] if path.exists()]
         source, chromium = axe(), Chromium(WEBGL)
         for path in pages:
             for width, height in SIZES:
                 chromium.size(width, height, mobile=width < 700)
                 chromium.open(path)
                 chromium.run(source + "; true")
-                found = judged(chromium, f"{path.name} at {width} pixels")
+                check_rules(chromium, f"{path.name} at {width} pixels")
                 if chromium.run(f"(async () => {{ {SHOW_BALL} }})()"):
-                    found += judged(chromium, f"{path.name} at {width} pixels, with a ball")
+                    check_rules(chromium, f"{path.name} at {width} pixels, with a ball")
                 charts = chromium.run(CHARTS)
                 if charts:
-                    print(f"  {len(charts)} texts of charts, contrast at least {charts[0][0]:.1f}: {charts[0][1]}")
-                wrong += len(found) + sum(contrast < LEAST_CONTRAST for contrast, _ in charts)
+                    contrast, text = charts[0]
+                    expect(contrast >= LEAST_CONTRAST, f"{len(charts)} texts of charts, contrast at least {contrast:.1f}: {text}")
         chromium.close()
-    return wrong > 0
 
 
 if __name__ == "__main__":
     if axe() is None or program() is None:
-        print("skipped: no axe_playwright_python or no Chromium")
-        sys.exit(0)
-    sys.exit(main(sys.argv[1]))
+        skip("no axe_playwright_python or no Chromium")
+    main(sys.argv[1])
+    finish()

@@ -18,15 +18,13 @@ import sys
 import tempfile
 from pathlib import Path
 
-if importlib.util.find_spec("bpy") is None:
-    print("skipped: no bpy")
-    sys.exit(0)
-import numpy as np
+from checks import ROOT, expect, finish, skip
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from support.visible_error import delta_e, displayed, exposure  # noqa: E402
-from support.surface_drawing import DISTANCE, ELEVATION, FIELD, MATERIALS, SIZE, drawn, drawn_by_cycles, on_sphere, run, studio  # noqa: E402
-from support.checks import end, expect  # noqa: E402
+if importlib.util.find_spec("bpy") is None:
+    skip("no bpy")
+import numpy as np
+from support.visible_error import delta_e, displayed, exposure
+from support.surface_drawing import DISTANCE, ELEVATION, FIELD, MATERIALS, SIZE, drawn, drawn_by_cycles, on_sphere, run, studio
 
 data = Path(sys.argv[2])
 LAMP = (0.6, -0.5, 0.62)
@@ -142,9 +140,7 @@ def round_lamp(path, towards, radius):
     Path(path).write_bytes(f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n".encode() + texels.astype(np.uint8).tobytes())
 
 
-inside, rows, errors, of_studio = on_sphere(), [], [], []
-
-
+inside, rows, errors, studio_errors = on_sphere(), [], [], []
 with tempfile.TemporaryDirectory() as folder:
     lights = {Path(path).stem: path for path in [studio, *filter(None, os.environ.get("SRBF_ENVIRONMENTS", "").split(":"))]}
     for light, (towards, radius) in ROUND_LAMPS.items():
@@ -154,50 +150,50 @@ with tempfile.TemporaryDirectory() as folder:
         measured, script, principled = data / f"rgl/{name}.bsdf", f"{folder}/{name}.py", f"{folder}/{name}_principled"
         print(run("export", measured, "--to", "blender", "-o", script).strip())
         lit = drawn_by_cycles(script, f"{folder}/lit.exr", LAMP)[inside]
-        apart = delta_e(lit, formula(script)[inside])
-        expect(apart <= FORMULA_WITHIN, f"{name}: Cycles against the formula {apart:.2f}")
+        difference = delta_e(lit, formula(script)[inside])
+        expect(difference <= FORMULA_WITHIN, f"{name}: Cycles against the formula {difference:.2f}")
         run("fit", measured, "--model", "principled", "-o", principled + ".srbf")
         run("export", principled + ".srbf", "--to", "principled", "-o", principled + ".py")
-        of_lights = []
+        light_errors = []
         for light, environment in lights.items():
             pictures = [drawn(measured, f"{folder}/m.exr", environment), *(drawn_by_cycles(exported, f"{folder}/n.exr", environment=environment)
                                                                           for exported in (script, principled + ".py"))]
             reference, nodes, parameters = (picture[inside] for picture in pictures)
-            of_lights.append((delta_e(nodes, reference), delta_e(parameters, reference)))
+            light_errors.append((delta_e(nodes, reference), delta_e(parameters, reference)))
             rows.append(np.concatenate([displayed(picture, exposure(reference)) for picture in pictures], axis=1))
-        errors.append(np.mean(of_lights, axis=0))
-        of_studio.append(of_lights[0])
+        errors.append(np.mean(light_errors, axis=0))
+        studio_errors.append(light_errors[0])
         ours, theirs = errors[-1]
-        each = ", ".join(f"{light} {a:.2f} {b:.2f}" for light, (a, b) in zip(lights, of_lights))
+        each = ", ".join(f"{light} {a:.2f} {b:.2f}" for light, (a, b) in zip(lights, light_errors))
         expect(ours < theirs, f"{name}: against the measurement nodes {ours:.2f}, Principled {theirs:.2f} ({each})")
         furnace = drawn_by_cycles(script, f"{folder}/f.exr", "furnace")[inside].max()
         expect(furnace <= 1.02, f"{name}: brightest in a furnace {furnace:.3f}")  # with the noise
     script, both, mapped, appended = (f"{folder}/{name}.py" for name in (MATERIALS[0], "both", "mapped", "appended"))
     Path(mapped).write_text(Path(script).read_text(encoding="utf-8") + MAP, encoding="utf-8")
-    apart = delta_e(drawn_by_cycles(mapped, f"{folder}/lit.exr", LAMP)[inside], formula(script, MAPPED)[inside])
-    expect(apart <= FORMULA_WITHIN, f"with a normal map: Cycles against the formula {apart:.2f}")
-    table = str(Path(__file__).resolve().parents[2] / "data/library.csv")
+    difference = delta_e(drawn_by_cycles(mapped, f"{folder}/lit.exr", LAMP)[inside], formula(script, MAPPED)[inside])
+    expect(difference <= FORMULA_WITHIN, f"with a normal map: Cycles against the formula {difference:.2f}")
+    table = str(ROOT / "data/library.csv")
     run("export", *(data / f"rgl/{name}.bsdf" for name in MATERIALS[:2]), "--to", "blender", "-o", both)
     subprocess.run([sys.executable, "-c", f"import sys, runpy; sys.argv[1:] = ['--', {folder + '/both.blend'!r}, {table!r}]; runpy.run_path({both!r}, run_name='__main__')"],
                    check=True, stdout=subprocess.DEVNULL)
     Path(appended).write_text(ASSETS.replace("FILE", repr(folder + "/both.blend")).replace("CATALOGUES", repr(folder + "/blender_assets.cats.txt")))
-    apart = delta_e(drawn_by_cycles(appended, f"{folder}/lit.exr", LAMP)[inside], formula(script)[inside])
-    expect(apart <= FORMULA_WITHIN, f"from a .blend file with two materials: Cycles against the formula {apart:.2f}")
-    kept, ready = Path(__file__).resolve().parents[2] / "data/ready", f"{folder}/ready.py"
+    difference = delta_e(drawn_by_cycles(appended, f"{folder}/lit.exr", LAMP)[inside], formula(script)[inside])
+    expect(difference <= FORMULA_WITHIN, f"from a .blend file with two materials: Cycles against the formula {difference:.2f}")
+    kept, ready = ROOT / "data/ready", f"{folder}/ready.py"
     for name, material in {"film.blend": "film", "library.blend": "Ibiza Sunset film"}.items():
         Path(ready).write_text(READY.replace("FILE", repr(str(kept / name))).replace("NAME", repr(material)))
-        apart = delta_e(drawn_by_cycles(ready, f"{folder}/lit.exr", LAMP)[inside], formula(script)[inside])
-        expect(apart <= FORMULA_WITHIN, f"{name}: Cycles against the formula {apart:.2f}")
+        difference = delta_e(drawn_by_cycles(ready, f"{folder}/lit.exr", LAMP)[inside], formula(script)[inside])
+        expect(difference <= FORMULA_WITHIN, f"{name}: Cycles against the formula {difference:.2f}")
     measured, shader, scene = data / f"rgl/{MATERIALS[0]}.bsdf", f"{folder}/film.osl", f"{folder}/film_osl.py"
     print(run("export", measured, "--to", "osl", "-o", shader).strip())
     Path(scene).write_text(SHADER.replace("FILE", repr(shader)))
-    apart = delta_e(drawn_by_cycles(scene, f"{folder}/lit.exr", LAMP)[inside], formula(shader)[inside])
-    expect(apart <= FORMULA_WITHIN, f"osl: Cycles against the formula {apart:.2f}")
+    difference = delta_e(drawn_by_cycles(scene, f"{folder}/lit.exr", LAMP)[inside], formula(shader)[inside])
+    expect(difference <= FORMULA_WITHIN, f"osl: Cycles against the formula {difference:.2f}")
     ours = delta_e(drawn_by_cycles(scene, f"{folder}/n.exr")[inside], drawn(measured, f"{folder}/m.exr")[inside])
-    expect(ours < 1.05 * of_studio[0][0], f"osl: against the measurement {ours:.2f}, nodes {of_studio[0][0]:.2f}")
+    expect(ours < 1.05 * studio_errors[0][0], f"osl: against the measurement {ours:.2f}, nodes {studio_errors[0][0]:.2f}")
 ours, theirs = np.mean(errors, axis=0)
 expect(ours <= PRINCIPLED_SHARE * theirs, f"mean: nodes {ours:.2f}, Principled {theirs:.2f}")
 if len(sys.argv) > 3:
     from PIL import Image
     Image.fromarray(np.concatenate(rows)).save(sys.argv[3])
-end()
+finish()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The shaders for Unity and Godot 4, with stand-ins for the engines' names, run in OpenGL: under a directional light a sphere of the
+"""The shaders for Unity and Godot 4, with mocks of the engines' names, run in OpenGL: under a directional light a sphere of the
 film is that of the model, within a mean ΔE_ITP of 1, and under light from everywhere it reflects its albedo. The engines themselves are not run.
 Arguments: the program, and a folder that is not read.
 """
@@ -12,20 +12,15 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+from checks import ROOT, expect, finish, skip
+import engine_shaders as shaders
+from support import lit_sphere
 
-here = Path(__file__).resolve()
-sys.path.insert(0, str(here.parent.parent))
-spec = importlib.util.spec_from_file_location("shaders", here.parent.parent / "engine_shaders.py")
-shaders = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(shaders)
-from support import lit_sphere  # noqa: E402
-
-program, data = os.path.abspath(sys.argv[1]), here.parents[2] / "data"
+program, data = os.path.abspath(sys.argv[1]), ROOT / "data"
 glslang, spirv_cross = shutil.which("glslangValidator"), shutil.which("spirv-cross")
 if not (glslang and spirv_cross and importlib.util.find_spec("moderngl")):
-    print("skipped: glslangValidator, spirv-cross or moderngl is not installed")
-    sys.exit()
-import moderngl  # noqa: E402
+    skip("glslangValidator, spirv-cross or moderngl is not installed")
+import moderngl
 
 VERTEX = """#version 450
 in vec2 at;
@@ -91,20 +86,11 @@ with tempfile.TemporaryDirectory() as folder:
     unity = Path(folder, "unity.glsl").read_text(encoding="utf-8")
 sphere = Sphere()
 in_godot, albedo = sphere.drawn(GODOT, shaders.godot_text())
-failures = 0
-
-
-def check(good, text):
-    global failures
-    print("ok  " if good else "BAD ", text)
-    failures += not good
-
-
 for name, drawn in {"Godot 4": in_godot, "Unity": sphere.drawn(UNITY, unity, under(lit_sphere.IRRADIANCE, 0))[0]}.items():
     picture = np.zeros_like(exact)
     picture[sphere.inside] = drawn
     error = lit_sphere.picture_error(picture, exact)
-    check(error <= lit_sphere.WITHIN, f"shader for {name}, with stand-ins: film {error:.2f}")
+    expect(error <= lit_sphere.WITHIN, f"shader for {name}, with mocks: film {error:.2f}")
 around = np.abs(sphere.drawn(UNITY, unity, under(0, 1))[0] - np.minimum(albedo, 1)).max()
-check(around < 0.01, f"shader for Unity in white surroundings: differs from the albedo by {around:.4f} at most")
-sys.exit(bool(failures))
+expect(around < 0.01, f"shader for Unity in white surroundings: differs from the albedo by {around:.4f} at most")
+finish()

@@ -14,14 +14,12 @@ from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
+from checks import ROOT, expect, finish
+from support import lit_sphere
+from support.chromium import WEBGL, program as chromium
+from support.browser_server import WEBGPU, opened, picture as picture_of
 
-here = Path(__file__).resolve()
-sys.path.insert(0, str(here.parent.parent))
-from support import lit_sphere  # noqa: E402
-from support.chromium import WEBGL, program as chromium  # noqa: E402
-from support.browser_server import WEBGPU, opened, picture as picture_of  # noqa: E402
-
-program, examples = os.path.abspath(sys.argv[1]), here.parents[2] / "examples/hosts"
+program, examples = os.path.abspath(sys.argv[1]), ROOT / "examples/hosts"
 FILAMENT = "/usr/include/filament-1.9"  # where Debian has its headers
 MATERIALS = {"film": "cc_ibiza_sunset_rgb", "paper": "paper_white_rgb"}
 
@@ -42,13 +40,13 @@ CHUNK
 """
 
 
-def package(name):
+def package_folder(name):
     """The folder of a Python package, or None if it is not installed."""
     found = importlib.util.find_spec(name)
     return found and Path(found.submodule_search_locations[0])
 
 
-def by_page(flags, files):
+def draw_by_page(flags, files):
     """Draws by the page of an example, with these files of the host beside it by name and text, in Chromium."""
     def draw(example, code, picture):
         folder = Path(picture).parent
@@ -60,17 +58,17 @@ def by_page(flags, files):
     return draw
 
 
-def by_script(example, code, picture, *more):
+def draw_by_script(example, code, picture, *more):
     """Draws by the script of an example."""
     done = subprocess.run([sys.executable, example / "sphere.py", code, picture, *more], capture_output=True, text=True, timeout=600)
     if done.returncode:
         raise RuntimeError(done.stdout[-2000:] + done.stderr[-2000:])
 
 
-def by_slang(example, code, picture):
+def draw_by_slang(example, code, picture):
     """Draws, and compares derivatives by the direction to the light, along the sphere of directions, with differences of `srbf eval`."""
     folder = Path(picture).parent
-    by_script(example, code, picture, "cpu", folder / "slopes.npy")
+    draw_by_script(example, code, picture, "cpu", folder / "slopes.npy")
     directions, step = lit_sphere.pairs(), 1e-3
     some = np.flatnonzero(directions[:, 2] * directions[:, 5] > 0.05)[::97]
     wl, wv = directions[some, :3], directions[some, 3:]
@@ -79,13 +77,13 @@ def by_slang(example, code, picture):
     moved = [np.hstack([np.cos(step) * wl + sign * np.sin(step) * along, wv]) for sign in (1, -1)]
     up, down = (lit_sphere.reflected(program, models[folder.name], directions, folder).sum(1) for directions in moved)
     slopes = (np.load(folder / "slopes.npy")[lit_sphere.points()[0]][some] * along).sum(1)
-    apart = np.median(np.abs(slopes - (up - down) / (2 * np.sin(step))) / (np.abs(slopes) + 1e-3))
-    if not apart < 1e-3:
-        raise RuntimeError(f"slang: derivatives differ from slopes by {apart:.1e} in the median")
-    print(f"     slang: derivatives differ from slopes by {apart:.1e} in the median")
+    difference = np.median(np.abs(slopes - (up - down) / (2 * np.sin(step))) / (np.abs(slopes) + 1e-3))
+    if not difference < 1e-3:
+        raise RuntimeError(f"slang: derivatives differ from slopes by {difference:.1e} in the median")
+    print(f"     slang: derivatives differ from slopes by {difference:.1e} in the median")
 
 
-def by_c(example, code, picture):
+def draw_by_c(example, code, picture):
     folder = Path(picture).parent
     shutil.copy(example / "sphere.c", folder)
     subprocess.run(["cc", "-O2", "sphere.c", "-o", "sphere", "-lm"], cwd=folder, check=True)
@@ -93,7 +91,7 @@ def by_c(example, code, picture):
     np.save(picture, np.frombuffer(pixels, np.float32).reshape(lit_sphere.SIZE, lit_sphere.SIZE, 3))
 
 
-def by_filament(example, code, picture):
+def draw_by_filament(example, code, picture):
     """Compiles the material and the program of an example, and draws in a display of its own."""
     folder = Path(picture).parent
     (folder / "measured.mat").write_text((example / "measured.mat").read_text(encoding="utf-8").replace("CODE", code.read_text(encoding="utf-8")))
@@ -107,7 +105,7 @@ def by_filament(example, code, picture):
     np.save(picture, np.fromfile(folder / "picture", np.float32).reshape(lit_sphere.SIZE, lit_sphere.SIZE, 4)[..., :3])
 
 
-def three(files):
+def three_files(files):
     """Files of three.js by name, from a folder in peers/ beside the measurements, or None if one is missing."""
     for folder in Path(sys.argv[2]).parent.glob("peers/*"):
         paths = [folder / f"three.{file}.js" for file in files]
@@ -116,9 +114,9 @@ def three(files):
     return None
 
 
-def babylon():
+def babylon_script():
     """The script Babylon.js, which a module of pybabylonjs contains, or None without the package."""
-    folder = package("pybabylonjs") or here
+    folder = package_folder("pybabylonjs") or Path(__file__)
     text = "".join(path.read_text(encoding="utf-8") + ";\n" for path in folder.glob("labextension/static/*.js") if path.stat().st_size > 2e5)
     whole = re.search(r"(\d+):\(\w,(\w),\w\)=>\{\"use strict\";\w\.r\(\2\),\w\.d\(\2,\{AbstractActionManager:", text)
     return whole and WEBPACK.replace("CHUNK", text) + f"window.BABYLON = load({whole[1]});"
@@ -129,28 +127,28 @@ def hosts():
     def version_of(distribution, *modules):
         return version(distribution) if all(map(importlib.util.find_spec, modules or (distribution,))) else None
     compiler = shutil.which("cc") and subprocess.run(["cc", "--version"], capture_output=True, text=True).stdout.splitlines()[0]
-    yield "c", compiler, ("--to", "c"), ".h", by_c
+    yield "c", compiler, ("--to", "c"), ".h", draw_by_c
     for name, kind, flags, files in (("three_webgl", "three", WEBGL, ("module", "core")), ("three_webgpu", "three-webgpu", WEBGPU, ("webgpu", "core", "tsl"))):
-        texts = three(files)
-        yield name, texts and chromium() and re.search(r"REVISION = '(\w+)'", texts["three.core.js"])[1], ("--to", kind), ".js", by_page(flags, texts)
-    bundle = babylon()
-    yield ("babylon", bundle and chromium() and re.search(r'"(7\.\d+\.\d+)"', bundle)[1], ("--to", "glsl"), ".glsl", by_page(WEBGL, {"babylon.js": bundle}))
+        texts = three_files(files)
+        yield name, texts and chromium() and re.search(r"REVISION = '(\w+)'", texts["three.core.js"])[1], ("--to", kind), ".js", draw_by_page(flags, texts)
+    bundle = babylon_script()
+    yield ("babylon", bundle and chromium() and re.search(r'"(7\.\d+\.\d+)"', bundle)[1], ("--to", "glsl"), ".glsl", draw_by_page(WEBGL, {"babylon.js": bundle}))
     filament = Path(FILAMENT).exists() and all(map(shutil.which, ("matc", "xvfb-run"))) and subprocess.run(
         ["dpkg-query", "-W", "-f", "${Version}", "libfilament-dev"], capture_output=True, text=True).stdout
-    yield "filament", filament, ("--to", "glsl"), ".glsl", by_filament
-    yield "materialx", version_of("materialx", "MaterialX", "moderngl"), ("--to", "glsl"), ".glsl", by_script
-    yield "slang", version_of("slangpy"), ("--to", "hlsl", "--with", "sampling"), ".hlsl", by_slang
-    yield "radiance", version_of("pyradiance"), ("--to", "radiance"), ".cal", by_script
-    yield "mitsuba", version_of("mitsuba", "mitsuba", "srbf"), None, ".srbf", by_script
+    yield "filament", filament, ("--to", "glsl"), ".glsl", draw_by_filament
+    yield "materialx", version_of("materialx", "MaterialX", "moderngl"), ("--to", "glsl"), ".glsl", draw_by_script
+    yield "slang", version_of("slangpy"), ("--to", "hlsl", "--with", "sampling"), ".hlsl", draw_by_slang
+    yield "radiance", version_of("pyradiance"), ("--to", "radiance"), ".cal", draw_by_script
+    yield "mitsuba", version_of("mitsuba", "mitsuba", "srbf"), None, ".srbf", draw_by_script
 
 
-failures, ran, rows, names = [], [], {material: [] for material in MATERIALS}, sys.argv[4:]
+ran, rows, names = [], {material: [] for material in MATERIALS}, sys.argv[4:]
 with tempfile.TemporaryDirectory() as folder:
     models, references = {}, {}
     for material, measurement in MATERIALS.items():
         models[material] = Path(folder, material, "material.srbf")
         models[material].parent.mkdir()
-        subprocess.run([program, "fit", here.parents[2] / f"data/{measurement}.bsdf", "-o", models[material]], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([program, "fit", ROOT / f"data/{measurement}.bsdf", "-o", models[material]], check=True, stdout=subprocess.DEVNULL)
         references[material] = lit_sphere.reference(program, models[material], folder)
     for host, installed, export, ending, draw in hosts():
         if names and host not in names:
@@ -172,9 +170,7 @@ with tempfile.TemporaryDirectory() as folder:
             errors.append(lit_sphere.picture_error(rows[material][-1], references[material]))
         ran.append(host)
         text = f"{host} {installed}: " + ", ".join(f"{material} {error:.2f}" for material, error in zip(MATERIALS, errors))
-        print("ok  " if max(errors) <= lit_sphere.WITHIN else "BAD ", text, flush=True)
-        if max(errors) > lit_sphere.WITHIN:
-            failures.append(host)
+        expect(max(errors) <= lit_sphere.WITHIN, text)
     if len(sys.argv) > 3:
         from PIL import Image, ImageDraw
         rows_of_spheres = Image.fromarray(np.concatenate([lit_sphere.side_by_side(references[material], rows[material]) for material in MATERIALS]))
@@ -185,4 +181,4 @@ with tempfile.TemporaryDirectory() as folder:
             ImageDraw.Draw(sheet).text((96 * i + 4, 1), label, fill="black")
         sheet.save(Path(sys.argv[3], "hosts.png"))
 print(f"{len(ran)} hosts ran")
-sys.exit(bool(failures))
+finish()

@@ -13,13 +13,12 @@ from pathlib import Path
 
 import MaterialX as mx
 import numpy as np
+from checks import expect, finish, skip
+from support.chromium import WEBGL, Chromium, program as chromium
 from MaterialX import PyMaterialXGenGlsl as glsl
 from MaterialX import PyMaterialXGenShader as shaders
-
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from support.chromium import WEBGL, Chromium, program as chromium  # noqa: E402
-from support.visible_error import delta_e  # noqa: E402
-from support.surface_drawing import BRUSHED, MATERIALS, draws_brushed, holds, run  # noqa: E402
+from support.visible_error import delta_e
+from support.surface_drawing import BRUSHED, MATERIALS, judge_brushed, judge_errors, run
 
 data = Path(sys.argv[2])
 LIGHTS = np.array([[-6 / 11, 6 / 11, 7 / 11], [7 / 9, 4 / 9, 4 / 9], [-2 / 11, 9 / 11, -6 / 11]])
@@ -117,7 +116,7 @@ void main() {{
 
 
 def evaluated(subject, folder):
-    """The same radiance from `srbf eval`, for lights above the horizon of a point."""
+    """Returns the radiance by `srbf eval`, for lights above the horizon of a point."""
     at = 2 * (np.arange(SIZE) + 0.5) / SIZE - 1
     x, y = np.meshgrid(at, at)
     n = np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 1e-6))], axis=-1)
@@ -137,9 +136,8 @@ def evaluated(subject, folder):
 
 
 if chromium() is None:
-    print("skipped: no Chromium")
-    sys.exit(0)
-page, failures = Chromium(WEBGL), []
+    skip("no Chromium")
+page = Chromium(WEBGL)
 try:
     with tempfile.TemporaryDirectory() as folder:
         for name in MATERIALS:
@@ -149,14 +147,12 @@ try:
             by_shader = drawn(page, *generated(f"{folder}/{name}.mtlx"))
             (reference, inside), (ours, _) = evaluated(measured, folder), evaluated(model, folder)
             mean = lambda a, b: np.mean([delta_e(p[inside], q[inside]) for p, q in zip(a, b)])  # noqa: E731
-            losses = mean(ours, reference), mean(by_shader, reference), mean(by_shader, ours)
-            if not holds(name, "MaterialX", losses, OWN_FORMULAS):
-                failures.append(name)
+            errors = mean(ours, reference), mean(by_shader, reference), mean(by_shader, ours)
+            expect(*judge_errors(name, "MaterialX", errors, OWN_FORMULAS))
         for kind in ("mtlx", "standard-surface"):
             run("export", BRUSHED, "--to", kind, "-o", f"{folder}/brushed.mtlx")
             (ours, inside), by_shader = evaluated(BRUSHED, folder), drawn(page, *generated(f"{folder}/brushed.mtlx"))
-            if not draws_brushed(f"MaterialX ({kind})", mean(by_shader, ours)):
-                failures.append(kind)
+            expect(*judge_brushed(f"MaterialX ({kind})", mean(by_shader, ours)))
 finally:
     page.close()
-sys.exit(bool(failures))
+finish()

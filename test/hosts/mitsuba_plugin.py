@@ -15,19 +15,16 @@ import tempfile
 from importlib.metadata import version
 from pathlib import Path
 
+from checks import ROOT, expect, finish, skip
+
 if not all(map(importlib.util.find_spec, ("mitsuba", "nanobind"))):
-    print("skipped: no mitsuba or nanobind")
-    sys.exit(0)
+    skip("no mitsuba or nanobind")
+from support import lit_sphere
 import mitsuba as mi
 import numpy as np
+from support.visible_error import delta_e
 
-root = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(root / "test"))
-from support import lit_sphere  # noqa: E402
-from support.visible_error import delta_e  # noqa: E402
-from support.checks import end, expect  # noqa: E402
-
-program, film = Path(sys.argv[1]).resolve(), root / "data/cc_ibiza_sunset_rgb.bsdf"
+program, film = Path(sys.argv[1]).resolve(), ROOT / "data/cc_ibiza_sunset_rgb.bsdf"
 CELLS, FINER, SAMPLES = (48, 48), 10, 100000  # of cosθ and φ; points along an edge of a cell, by which its integrals are found
 GLOSSY = int(mi.BSDFFlags.GlossyReflection), int(mi.BSDFFlags.GlossyTransmission)
 STRAIGHT = {int(mi.BSDFFlags.Null): np.array([-1, -1, -1]), int(mi.BSDFFlags.DeltaReflection): np.array([-1, -1, 1])}  # beams: wo of wi
@@ -98,7 +95,7 @@ def relative_variance(bsdf, z):
 def brushed_samples(folder):
     """Samples of an anisotropic surface."""
     file = Path(folder) / "brushed.csv"
-    run(program, "convert", root / "test/models/1/openpbr_brushed.srbf", "-o", file)
+    run(program, "convert", ROOT / "test/models/1/openpbr_brushed.srbf", "-o", file)
     return file
 
 
@@ -140,7 +137,7 @@ def seen_in_white(bsdf, wi):
 
 with tempfile.TemporaryDirectory() as folder:
     run("cmake", "--install", program.parent, "--prefix", f"{folder}/prefix")
-    run("cmake", "-G", "Ninja", "-S", root / "examples/mitsuba", "-B", f"{folder}/plugin", f"-DCMAKE_PREFIX_PATH={folder}/prefix", f"-DPython_EXECUTABLE={sys.executable}")
+    run("cmake", "-G", "Ninja", "-S", ROOT / "examples/mitsuba", "-B", f"{folder}/plugin", f"-DCMAKE_PREFIX_PATH={folder}/prefix", f"-DPython_EXECUTABLE={sys.executable}")
     run("cmake", "--build", f"{folder}/plugin")
     mi.set_variant("scalar_rgb")
     mi.file_resolver().append(f"{folder}/plugin")
@@ -162,7 +159,7 @@ with tempfile.TemporaryDirectory() as folder:
     np.testing.assert_allclose(values * lit_sphere.IRRADIANCE, lit_sphere.reflected(program, model, pairs, folder), rtol=2e-4, atol=1e-6)
     print("ok   values are those of `srbf eval`")
 
-    for name, material in (("default", plugin), ("the file", of_file), ("BSDF", {"type": "srbf_cpp", "filename": str(root / "test/models/1/bsdf.srbf")})):
+    for name, material in (("default", plugin), ("the file", of_file), ("BSDF", {"type": "srbf_cpp", "filename": str(ROOT / "test/models/1/bsdf.srbf")})):
         bsdf = mi.load_dict(material)
         for z in (0.9, 0.3) if name != "BSDF" else (0.7, -0.4):
             wi = directions(np.array(z), np.array(0.5))
@@ -181,4 +178,4 @@ with tempfile.TemporaryDirectory() as folder:
     mi.set_variant("scalar_spectral")
     error = refusal(plugin)
     expect("srbf_cpp" in error and "scalar_spectral" in error, f"another variant: {error.strip()}")
-end()
+finish()

@@ -12,19 +12,19 @@ const program = (...all) => execFileSync(path.join(root, "build/release/srbf"), 
 const paper = path.join(root, "data/paper_white_rgb.bsdf"), bytes = readFileSync(paper), name = "paper_white_rgb.bsdf";
 
 // A three.js module has lobes for environments, which are found by what renderers evaluate: their numbers depend on the processor.
-const compared = (code, language) => language === "three" ? code.replace(/-?\d+\.?\d*(e[-+]?\d+)?/g, "#") : code;
+const comparable = (code, language) => language === "three" ? code.replace(/-?\d+\.?\d*(e[-+]?\d+)?/g, "#") : code;
 
-const stages = [];
-const model = await fit(bytes, { name, lobes: 2, progress: (stage, fraction) => void stages.push(fraction) });
+const fractions = [];
+const model = await fit(bytes, { name, lobes: 2, progress: (stage, fraction) => { fractions.push(fraction); } });
 program("fit", paper, "--lobes", "2", "-o", path.join(folder, "paper_white_rgb.srbf"));
 const file = readFileSync(path.join(folder, "paper_white_rgb.srbf"));
 assert.deepEqual(Buffer.from(model.file()), file, "the model's file");
 for (const language of ["glsl", "hlsl", "wgsl", "msl", "c", "three"]) {
-  const at = path.join(folder, language);
-  program("export", path.join(folder, "paper_white_rgb.srbf"), "--to", language, "-o", at);
-  assert.equal(compared(model.code(language), language), compared(readFileSync(at, "utf8"), language), language);
+  const exported = path.join(folder, language);
+  program("export", path.join(folder, "paper_white_rgb.srbf"), "--to", language, "-o", exported);
+  assert.equal(comparable(model.code(language), language), comparable(readFileSync(exported, "utf8"), language), language);
 }
-assert(stages.length > 10 && stages.every((x, i) => i === 0 || x >= stages[i - 1]) && stages.at(-1) <= 1, "progress");
+assert(fractions.length > 10 && fractions.every((x, i) => i === 0 || x >= fractions[i - 1]) && fractions.at(-1) <= 1, "progress");
 assert.equal(model.report.bytes, file.length - 8 - Number(file.readBigUint64LE()), "the report's bytes");
 const again = await open(file, "paper_white_rgb.srbf"), wl = [0, 0, 1, 0.6, 0, 0.8], wv = [0.6, 0, 0.8, 0, 0, 1];
 assert.deepEqual(again.evaluate(wl, wv), model.evaluate(wl, wv));

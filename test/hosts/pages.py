@@ -2,9 +2,9 @@
 """Runs the code of README.md, of docs and of examples as a reader would, each page in a folder of its own.
 
 ```sh blocks are run by bash, in order; a ```text block is what the block before it prints, where `...` stands for anything; ```python
-without a file's name runs in one session for the page; any other block is a file, whose name its first line says in a comment. A block that is not run says
-why in the line above it: <!-- not run: ... -->. `data` and `examples` are the folders of the clone; OWN makes the files that a page takes as
-its reader's. A page that needs a package of PyPI which this Python has not is named, and not run.
+without a file's name runs in one session for the page; any other block is a file, whose name its first line says in a comment. A block that
+is not run says why in the line above it: <!-- not run: ... -->. `data` and `examples` are the folders of the clone; READER_FILES makes the
+files that a page takes as its reader's. A page that needs a package of PyPI that is not installed is named, and not run.
 Arguments: the program, a folder of measurements, and names of pages; all pages without these.
 """
 import importlib.util
@@ -17,11 +17,13 @@ import tempfile
 import textwrap
 from pathlib import Path
 
-root = Path(__file__).resolve().parents[2]
+from checks import ROOT, expect, finish
+
 program, measurements = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
-documents = [root / "README.md", root / "examples/README.md", *sorted(root.glob("docs/*.md")), *sorted(root.glob("docs/tutorials/*.md"))]
+documents = [ROOT / "README.md", ROOT / "examples/README.md", *sorted(ROOT.glob("docs/*.md")), *sorted(ROOT.glob("docs/tutorials/*.md"))]
 NEEDS = {"mitsuba": ["mitsuba"], "blender": ["bpy"], "maps": ["OpenEXR"]}
-FORMULAS = ["math", ""]  # and diagrams: no code
+NOT_CODE = {"math", ""}  # formulas, and diagrams
+OWN_PATHS = {ROOT / name for name in ("test/hosts", "test", "web")}  # which no reader has
 
 
 def srbf(folder, *arguments):
@@ -49,32 +51,34 @@ def masks(folder, page):
     import numpy as np
 
     for name, file in [("paper", "paper_white_rgb"), ("film", "cc_ibiza_sunset_rgb"), ("gold", "cc_ibiza_sunset_rgb")]:
-        shutil.copy(root / f"data/{file}.bsdf", folder / f"{name}.bsdf")
+        shutil.copy(ROOT / f"data/{file}.bsdf", folder / f"{name}.bsdf")
     np.save(folder / "masks.npy", np.random.default_rng(1).dirichlet([1, 1, 1], [8, 16]).astype(np.float32))
 
 
-def chassis(folder, page):
-    """A goniometer's columns: scans in the plane of incidence over four decades."""
+def goniometer_scan(folder, page):
+    """Columns of a goniometer: scans in the plane of incidence over four decades."""
     rows = [f"{light} 180 {abs(view)} {0 if view >= 0 else 180} {2e-3 + 20 / (1 + (view - light) ** 2):.5g}"
             for light in (5, 20, 40, 60) for view in range(-80, 81, 2)]
     (folder / "scan.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
 
 
-OWN = {"materials/": materials, "texels.npy": texels, "masks.npy": masks, "scan.csv": chassis,
-       "shade.xml": lambda folder, page: shutil.copy(measurements / "klems/2011-SA1.xml", folder / "shade.xml"),
-       "sky.hdr": lambda folder, page: shutil.copy(root / "data/studio.hdr", folder / "sky.hdr"),
-       "paint.brdf": lambda folder, page: shutil.copy(measurements / "cornell/garnet_red.brdf", folder / "paint.brdf")}
+READER_FILES = {
+    "materials/": materials, "texels.npy": texels, "masks.npy": masks, "scan.csv": goniometer_scan,
+    "shade.xml": lambda folder, page: shutil.copy(measurements / "klems/2011-SA1.xml", folder / "shade.xml"),
+    "sky.hdr": lambda folder, page: shutil.copy(ROOT / "data/studio.hdr", folder / "sky.hdr"),
+    "paint.brdf": lambda folder, page: shutil.copy(measurements / "cornell/garnet_red.brdf", folder / "paint.brdf"),
+}
 
 
 def prepare(folder, page):
     """Makes the folder for a page, and returns the environment with paths to program, Python package and installed library."""
     for name in ("data", "examples"):
-        (folder / name).symlink_to(root / name)
-    for name, make in OWN.items():
+        (folder / name).symlink_to(ROOT / name)
+    for name, make in READER_FILES.items():
         if name in page.read_text(encoding="utf-8") and page.parent.name != "tutorials":
             make(folder, page)
     environment = dict(os.environ, PATH=f"{program.parent}:{Path(sys.executable).parent}:{os.environ['PATH']}")
-    environment["PYTHONPATH"] = os.pathsep.join([str(program.parent / "python"), *(p for p in sys.path if p)])
+    environment["PYTHONPATH"] = os.pathsep.join([str(program.parent / "python"), *(p for p in sys.path if p and Path(p) not in OWN_PATHS)])
     environment["CMAKE_PREFIX_PATH"] = str(program.parent.parent / "hosts/prefix")
     if page.stem == "path_tracer" or page.parent.name == "examples":
         subprocess.run(["cmake", "--install", program.parent, "--prefix", environment["CMAKE_PREFIX_PATH"]], check=True, stdout=subprocess.DEVNULL)
@@ -97,7 +101,7 @@ def run(page):
         for reason, language, block in blocks:
             block = textwrap.dedent(block)
             name = re.match(r"(?://|#|<!--) ([\w.]+\.\w+)", block)
-            if reason or language in FORMULAS:
+            if reason or language in NOT_CODE:
                 continue
             if name:
                 (folder / name[1]).write_text(block, encoding="utf-8")
@@ -116,10 +120,11 @@ def run(page):
     return ""
 
 
-failed = False
 for page in documents if len(sys.argv) == 3 else [page for page in documents if page.stem in sys.argv[3:]]:
     missing = [package for package in NEEDS.get(page.stem, []) if importlib.util.find_spec(package) is None]
-    wrong = "" if missing else run(page)
-    print(f"{page.stem}: " + (f"not run, without {', '.join(missing)}" if missing else wrong or "ok"), flush=True)
-    failed |= bool(wrong)
-sys.exit(failed)
+    if missing:
+        print(f"skipped: {page.stem}, without {', '.join(missing)}")
+    else:
+        error = run(page)
+        expect(not error, f"{page.stem} {error}")
+finish()

@@ -1,12 +1,9 @@
 """The patches of paper/ apply to the sources."""
 import subprocess
-import sys
-from pathlib import Path
 
-root = Path(__file__).resolve().parents[2]
-failed = 0
-for patch in sorted((root / "paper").glob("*.patch")):
-    done = subprocess.run(["git", "apply", "--check", str(patch)], cwd=root, capture_output=True, text=True)
-    print(f"{patch.name}: {'applies' if done.returncode == 0 else 'FAILED: ' + done.stderr.strip()}")
-    failed |= done.returncode
-sys.exit(bool(failed))
+from checks import ROOT, expect, finish
+
+for patch in sorted((ROOT / "paper").glob("*.patch")):
+    done = subprocess.run(["git", "apply", "--check", str(patch)], cwd=ROOT, capture_output=True, text=True)
+    expect(done.returncode == 0, f"{patch.name} applies {done.stderr.strip()}")
+finish()

@@ -11,20 +11,17 @@ import sys
 import tempfile
 from pathlib import Path
 
-if importlib.util.find_spec("bpy") is None:
-    print("skipped: no bpy")
-    sys.exit(0)
-import numpy as np
+from checks import expect, finish, skip
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from support.visible_error import delta_e, displayed, exposure  # noqa: E402
-from support.surface_drawing import BRUSHED, MATERIALS, draws_brushed, drawn, drawn_by_cycles, holds, lost, on_sphere, run  # noqa: E402
+if importlib.util.find_spec("bpy") is None:
+    skip("no bpy")
+import numpy as np
+from support.visible_error import delta_e, displayed, exposure
+from support.surface_drawing import BRUSHED, MATERIALS, drawn, drawn_by_cycles, errors_of, judge_brushed, judge_errors, on_sphere, run
 
 data = Path(sys.argv[2])
 OWN_FORMULAS = {"cg_sunflower_rgb", "colodur_napoli_4f_rgb", "paper_white_rgb"}  # farther apart by Cycles' own, which docs/surface.md names
-
-
-inside, rows, failures = on_sphere(), [], []
+inside, rows = on_sphere(), []
 with tempfile.TemporaryDirectory() as folder:
     for name in MATERIALS:
         measured, model = data / f"rgl/{name}.bsdf", f"{folder}/{name}.srbf"
@@ -33,16 +30,14 @@ with tempfile.TemporaryDirectory() as folder:
         pictures = [drawn(subject, f"{folder}/{name}-{i}.exr") for i, subject in enumerate((measured, model))]
         pictures.append(drawn_by_cycles(f"{folder}/{name}.py", f"{folder}/{name}-cycles.exr"))
         reference, surface, cycles = (picture[inside] for picture in pictures)
-        if not holds(name, "Cycles", lost(reference, surface, cycles), OWN_FORMULAS):
-            failures.append(name)
+        expect(*judge_errors(name, "Cycles", errors_of(reference, surface, cycles), OWN_FORMULAS))
         by = exposure(reference)
         rows.append(np.concatenate([displayed(picture, by) for picture in pictures], axis=1))
     run("export", BRUSHED, "--to", "principled", "-o", f"{folder}/brushed.py")
     ours, cycles = drawn(BRUSHED, f"{folder}/brushed.exr"), drawn_by_cycles(f"{folder}/brushed.py", f"{folder}/brushed-cycles.exr")
-    if not draws_brushed("Cycles", delta_e(cycles[inside], ours[inside])):
-        failures.append("brushed")
+    expect(*judge_brushed("Cycles", delta_e(cycles[inside], ours[inside])))
     rows.append(np.concatenate([displayed(picture, exposure(ours[inside])) for picture in (0 * ours, ours, cycles)], axis=1))
 if len(sys.argv) > 3:
     from PIL import Image
     Image.fromarray(np.concatenate(rows)).save(sys.argv[3])
-sys.exit(bool(failures))
+finish()

@@ -11,9 +11,7 @@ import tempfile
 
 import numpy as np
 import pyradiance.bsdf as radiance
-
-sys.path.insert(0, os.path.join(os.path.dirname(__file__), ".."))
-from support.checks import end, expect  # noqa: E402
+from checks import expect, finish
 
 program, data = sys.argv[1], sys.argv[2]
 
@@ -109,4 +107,4 @@ with tempfile.TemporaryDirectory() as folder:
     mean = np.mean([transmittance(f"{data}/tensor/t3.xml", np.degrees(np.arcsin(sine))) for sine in sines])
     a = transmittance(f"{folder}/t3.xml", 30)
     expect(abs(a - mean) <= 0.02 * mean, f"t3.xml, fitted: transmittance at 30 degrees {a:.6f}, of the tree from 25 to 35 {mean:.6f}")
-end()
+finish()

@@ -10,19 +10,18 @@ import tempfile
 import zlib
 from pathlib import Path
 
-root = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(root / "web"), str(root / "test")]
-from support.chromium import WEBGL, Chromium, program as chromium  # noqa: E402
-from packed import packed  # noqa: E402
+from checks import ROOT, expect, finish
+from support.chromium import WEBGL, Chromium, program as chromium
+from packed import pack
 
-program, data = Path(sys.argv[1]).resolve(), root / "data"
+program, data = Path(sys.argv[1]).resolve(), ROOT / "data"
 NUMBER = re.compile(r"-?\d+\.\d+(?:e[-+]?\d+)?")
 MEASURED = data / "cc_ibiza_sunset_rgb.bsdf"
 MODEL = ["export", "film.srbf", "--to"]
 COMMANDS = [["fit", MEASURED, "-o", "film.srbf"], [*MODEL, "three", "-o", "film.js"],
             [*MODEL, "html", "--reference", MEASURED, "-o", "page.html"], [*MODEL, "unity", "-o", "film.shader"],
             [*MODEL, "glsl", "--with", "albedo", "-o", "film.gdshaderinc"]]
-KEPT = {"film.js": data / "ready", "film.html": data / "ready", "film.shader": data / "ready", "film.gdshaderinc": root / "examples/hosts/godot4"}
+KEPT = {"film.js": data / "ready", "film.html": data / "ready", "film.shader": data / "ready", "film.gdshaderinc": ROOT / "examples/hosts/godot4"}
 
 
 def text_of(path):
@@ -56,9 +55,8 @@ def check_page(path):
         browser.size(1100, 800)
         browser.open(path)
         colours = browser.run(DRAWN)
-        good = len(colours) == 3 and min(colours) > 1000 and not browser.problems
-        print(f"{path.name} in Chromium: {'draws' if good else 'FAILED:'} pictures of {colours} colours {browser.problems or ''}")
-        return good
+        is_drawn = len(colours) == 3 and min(colours) > 1000 and not browser.problems
+        expect(is_drawn, f"{path.name} in Chromium draws pictures of {colours} colours {browser.problems or ''}")
     finally:
         browser.close()
 
@@ -66,7 +64,7 @@ def check_page(path):
 with tempfile.TemporaryDirectory() as folder:
     for command in COMMANDS:
         subprocess.run([program, *command], cwd=folder, check=True, stdout=subprocess.DEVNULL)
-    Path(folder, "film.html").write_text(packed(Path(folder, "page.html").read_text(encoding="utf-8")), encoding="utf-8")
+    Path(folder, "film.html").write_text(pack(Path(folder, "page.html").read_text(encoding="utf-8")), encoding="utf-8")
     for name, place in KEPT.items():
         written, kept = Path(folder, name), place / name
         if "--write" in sys.argv:
@@ -75,8 +73,7 @@ with tempfile.TemporaryDirectory() as folder:
         numbers = [[float(number) for number in NUMBER.findall(text)] for text in texts]
         same = NUMBER.sub("#", texts[0]) == NUMBER.sub("#", texts[1]) and all(
             math.isclose(a, b, rel_tol=1e-3, abs_tol=1e-5) for a, b in zip(*numbers))
-        print(f"{name}: {'as the program writes it' if same else 'FAILED: the program writes another: ready.py PROGRAM --write'}")
-        if not same:
-            sys.exit(1)
-if chromium() and not check_page(data / "ready/film.html"):
-    sys.exit(1)
+        expect(same, f"{name} is as the program writes it; otherwise: ready.py PROGRAM --write")
+if chromium():
+    check_page(data / "ready/film.html")
+finish()

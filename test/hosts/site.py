@@ -11,12 +11,10 @@ import tempfile
 import time
 from pathlib import Path
 
-root = Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(root / "test"))
-from support.chromium import WEBGL, Chromium, program  # noqa: E402
+from checks import ROOT, expect, finish, skip
+from support.chromium import WEBGL, Chromium, program
 
-srbf = root / "build/release/srbf"
-failures = []
+srbf = ROOT / "build/release/srbf"
 LONGEST_TASK, CANCELLED_WITHIN, MOST_MEMORY = 100, 1, 300 * 2**20  # milliseconds; seconds; bytes of the module
 PATIENCE = 400  # seconds until a fit counts as failed
 SAVED = [("glsl", ".glsl"), ("hlsl", ".hlsl"), ("unity", ".shader"), ("wgsl", ".wgsl"), ("msl", ".metal"), ("c", ".h"), ("three", ".js"),
@@ -26,10 +24,8 @@ SLIDERS = ["roughen", "highlight", "highlight_warmth", "body", "body_warmth", "h
 LAST_BALL = "#gallery ul:last-of-type li:last-child a"
 
 
-def check(holds, what):
-    if not holds:
-        failures.append(what)
-        print("  FAILED:", what)
+def check(condition, text):
+    expect(condition, text, quiet=True)
 
 
 def run(*arguments):
@@ -46,7 +42,7 @@ class Page:
             for (const e of list.getEntries()) tasks.push(e.duration); }).observe({ type: "longtask", buffered: true })""")
         self.chromium.run("document.body.append(Object.assign(document.createElement('input'), { type: 'file', id: 'given' }))")
 
-    def give(self, path):
+    def drop(self, path):
         """Drops the file on the page."""
         document = self.chromium.ask("DOM.getDocument")["root"]["nodeId"]
         node = self.chromium.ask("DOM.querySelector", nodeId=document, selector="#given")["nodeId"]
@@ -86,13 +82,13 @@ class Page:
         }}, (error) => "error " + error.message)""")
 
 
-def written(path):
+def hash_of(path):
     return hashlib.sha256(path.read_bytes()).hexdigest() if path.exists() else "nothing"
 
 
-def compared(page, file, folder):
-    """Opens, fits and saves a file on the page and by the program."""
-    page.give(file)
+def compare_file(page, file, folder):
+    """Opens, fits and saves a file on the page and by the program. What they save must be equal."""
+    page.drop(file)
     page.wait(file.name, lambda state: state["failure"] or state["working"])
     _, seen = page.wait(file.name, lambda state: state["failure"] or state["verdict"])  # of a first draft, or of both sides the last
     state, seconds = page.wait(file.name, lambda state: state["failure"] or state["name"] == file.name)
@@ -104,51 +100,51 @@ def compared(page, file, folder):
     check(state["memory"] <= MOST_MEMORY, f"{file.name} takes {state['memory']} bytes")
     if state["failure"]:
         return
-    model, theirs = folder / (file.stem + ".srbf"), folder / "theirs.srbf"
+    model, expected = folder / (file.stem + ".srbf"), folder / "program.srbf"
     model.write_bytes(page.model())
-    said = run("fit", file, "-o", theirs)
-    check(said.returncode == 0, said.stderr)
-    check(written(model) == written(theirs), f"{model.name} is not what the program writes")
+    result = run("fit", file, "-o", expected)
+    check(result.returncode == 0, result.stderr)
+    check(hash_of(model) == hash_of(expected), f"{model.name} is not what the program writes")
     # The other exports are compared with the program's exports of the page's model.
     for what, ending in SAVED:
         name = file.stem + ending
-        mine, path = page.saved(what, name), folder / name
-        said = run("convert", model, "-o", path) if what == "table" else run("export", model, "--to", what, "-o", path)
-        if said.returncode != 0:
-            check(mine.startswith("error "), f"{name}: the program refuses it: {said.stderr.strip()}")
-        elif ending in (".binary", ".bsdf", ".mbsdf", ".js", ".shader") and mine != written(path):
+        ours, path = page.saved(what, name), folder / name
+        result = run("convert", model, "-o", path) if what == "table" else run("export", model, "--to", what, "-o", path)
+        if result.returncode != 0:
+            check(ours.startswith("error "), f"{name}: the program refuses it: {result.stderr.strip()}")
+        elif ending in (".binary", ".bsdf", ".mbsdf", ".js", ".shader") and ours != hash_of(path):
             print(f"  note: {name} differs in bytes")  # fused arithmetic of pictures
-            check(not mine.startswith("error "), f"{name}: {mine}")
+            check(not ours.startswith("error "), f"{name}: {ours}")
         else:
-            check(mine == written(path), f"{name} is not what the program writes: {mine}")
+            check(ours == hash_of(path), f"{name} is not what the program writes: {ours}")
 
 
-def for_blender(page, subject, folder):
-    """The script for Blender is what the program writes of this subject; fitted numbers, which are of the order of 1, differ little."""
+def check_blender_script(page, subject, folder):
+    """Checks that the script for Blender is what the program writes of this subject; fitted numbers, which are of the order of 1, differ little."""
     begun = time.time()
-    mine = page.chromium.run("app.save_as('blender', '').then((content) => content.text())")
-    seconds, path = time.time() - begun, folder / "theirs.py"
-    said = run("export", subject, "--to", "blender", "-o", path)
-    check(said.returncode == 0, said.stderr)
-    texts = [mine, path.read_text(encoding="utf-8")]
+    ours = page.chromium.run("app.save_as('blender', '').then((content) => content.text())")
+    seconds, path = time.time() - begun, folder / "program.py"
+    result = run("export", subject, "--to", "blender", "-o", path)
+    check(result.returncode == 0, result.stderr)
+    texts = [ours, path.read_text(encoding="utf-8")]
     numbers = [[float(number) for number in NUMBER.findall(text)] for text in texts]
     same = NUMBER.sub("#", texts[0]) == NUMBER.sub("#", texts[1]) and all(math.isclose(a, b, abs_tol=0.01) for a, b in zip(*numbers))
     check(same, f"the script for Blender is not that of {subject.name}")
     print(f"  {subject.name}: a script for Blender after {seconds:.1f} s, {'byte by byte' if texts[0] == texts[1] else 'nearly'} that of the program")
 
 
-def on_one_screen(page, material, others=""):
-    """All sliders, the buttons that save, and these other elements are on the screen with the whole picture of this material."""
+def check_one_screen(page, material, others=""):
+    """Checks that all sliders, the buttons that save, and these other elements are on the screen with the whole picture of this material."""
     low, high = page.chromium.run(f"""(() => {{ document.getElementById("edit_roughen").scrollIntoView({{ block: "center" }});
         const boxes = [...document.querySelectorAll("#editing input, #saving .main, figure[data-material='{material}'] canvas{others}")].map((e) => e.getBoundingClientRect());
         return [Math.min(...boxes.map((box) => box.top)), Math.max(...boxes.map((box) => box.bottom))]; }})()""")
     check(high - low <= 800, f"sliders, buttons and picture take {high - low:.0f} pixels")
 
 
-def linked(page, folder):
-    """A link of the gallery shows its model, which is saved as it is, and can be edited."""
+def check_gallery(page, folder):
+    """Checks that a link of the gallery shows its model, which is saved as it is and can be edited."""
     chromium, links = page.chromium, page.chromium.run("[...document.querySelectorAll('#gallery li a')].map((link) => link.hash.slice(1))")
-    models = sorted((path.stem for path in (root / "data/gallery").glob("*.srbf")), key=lambda stem: ("_stand_in" in stem, stem))
+    models = sorted((path.stem for path in (ROOT / "data/gallery").glob("*.srbf")), key=lambda stem: ("_stand_in" in stem, stem))
     check(links == models, f"the gallery has {links}")
     name = models[-1] + ".srbf"
     chromium.click(LAST_BALL)
@@ -156,7 +152,7 @@ def linked(page, folder):
     page.wait(name, lambda state: state["name"] == name)
     chromium.run("viewer.settled()")
     print(f"  {name}: the picture of a model after {time.time() - begun:.1f} s")
-    check(page.model() == (root / "data/gallery" / name).read_bytes(), f"{name} is not saved as it was opened")
+    check(page.model() == (ROOT / "data/gallery" / name).read_bytes(), f"{name} is not saved as it was opened")
     shown = chromium.run("[...document.querySelectorAll('figure:not([hidden])')].map((figure) => figure.dataset.material).join()")
     check(shown == "1", f"{name}: pictures {shown}")
     check(not chromium.run("document.getElementById('editing').hidden"), f"{name} cannot be edited")
@@ -165,10 +161,10 @@ def linked(page, folder):
     check("ΔE 3.1 against a table from a neural network" in about and "ask the authors" in about, f"{name} is described by {about!r}")
     check(chromium.run("[...document.querySelectorAll('.compared')].every((e) => e.hidden)"), f"{name}: the page talks of a measurement")
     check(chromium.run("document.querySelector('#about a')?.href") == "https://rgl.epfl.ch/materials", f"{name} has no link to its measurement")
-    on_one_screen(page, "1", ", .controls > label > *")
-    for_blender(page, root / "data/gallery" / name, folder)
-    # The same ball is opened again, after another file.
-    page.give(root / "data/paper_white_rgb.csv")
+    check_one_screen(page, "1", ", .controls > label > *")
+    check_blender_script(page, ROOT / "data/gallery" / name, folder)
+    # Another file is opened, and then this ball again.
+    page.drop(ROOT / "data/paper_white_rgb.csv")
     page.wait("another file", lambda state: state["name"] == "paper_white_rgb.csv" or state["working"])
     chromium.click(LAST_BALL)
     page.wait(f"{name} again", lambda state: state["name"] == name)
@@ -176,18 +172,18 @@ def linked(page, folder):
     check(chromium.run("document.getElementById('state').getBoundingClientRect().top < innerHeight / 2"), "a second click on a ball shows nothing")
     chromium.click("#gallery li:first-child a")
     page.wait("the film's ball", lambda state: state["name"] == models[0] + ".srbf")
-    for_blender(page, root / "data/cc_ibiza_sunset_rgb.bsdf", folder)  # not of its model, as the page has the measurement
+    check_blender_script(page, ROOT / "data/cc_ibiza_sunset_rgb.bsdf", folder)  # not of its model, as the page has the measurement
 
 
-def clicked(page, ball):
-    """Another ball, once it is shown."""
+def click_ball(page, ball):
+    """Clicks another ball, and waits until it is shown."""
     page.chromium.click(ball)
     name = page.chromium.run(f"document.querySelector({ball!r}).hash.slice(1)") + ".srbf"
     page.wait(name, lambda state: state["name"] == name)
 
 
-def choose(page, name, value):
-    """A light or a shape of the pictures, a slider of the edits, or the number of lobes."""
+def set_control(page, name, value):
+    """Sets a light or a shape of the pictures, a slider of the edits, or the number of lobes."""
     page.chromium.run(f"""(() => {{ const input = document.querySelector(".controls").elements[{name!r}] ?? document.querySelector("#edit_{name}, #{name}"); input.value = {value!r};
         for (const kind of ["input", "change"]) input.dispatchEvent(new Event(kind, {{ bubbles: true }})); }})()""")
 
@@ -211,19 +207,19 @@ WORK = """(() => { const boxes = [...document.querySelectorAll("figure:not([hidd
         boxes: boxes.map((box) => [box.x, box.y - boxes[0].y, box.width, box.height].map(Math.round)) }; })()"""
 
 
-def one_layout(page):
-    """Edits and resets move nothing, and a picture without black noise is there from the first moment."""
+def check_layout(page):
+    """Checks that edits and resets move nothing, and that a picture without black noise is there from the first moment."""
     chromium = page.chromium
     for width in (1440, 768, 360):
         chromium.size(width, 900)
-        chromium.open(root / "build/site/index.html", "#satin_blue_stand_in")
+        chromium.open(ROOT / "build/site/index.html", "#satin_blue_stand_in")
         page.wait("a ball", lambda state: chromium.run("!document.getElementById('editing').hidden"))
         page.wait("a picture", lambda state: chromium.run("viewer.settled().then(() => viewer.scene(1).samples >= 16)"))
         calm, before = pixels(page, 1)[0], chromium.run(WORK)["boxes"]
         name = chromium.run("document.querySelector('figure:not([hidden]) figcaption').textContent")
         check(name == "White satin with blue highlights", f"a lone ball has the name {name!r}")
         for hue in (60, 0, 60):
-            choose(page, "hue", hue)
+            set_control(page, "hue", hue)
             chromium.settle()
             now, is_drawn = pixels(page, chromium.run("document.querySelector('figure:not([hidden])').dataset.material"))
             check(is_drawn and difference(now, calm) < 0.1, f"{width} pixels wide, hue {hue}: no picture, or noise")
@@ -231,9 +227,9 @@ def one_layout(page):
             check(chromium.run(WORK)["boxes"] == before, f"{width} pixels wide, hue {hue}: sliders, buttons or pictures move")
 
 
-def damaged(page, folder):
-    """Files that are wrong: one line, as the program says it or with the kind of the file. What was there stays."""
-    film = (root / "data/cc_ibiza_sunset_rgb.bsdf").read_bytes()
+def check_damaged_files(page, folder):
+    """Checks that wrong files are refused in one line, as the program says it or with the kind of the file. What was shown stays."""
+    film = (ROOT / "data/cc_ibiza_sunset_rgb.bsdf").read_bytes()
     contents = {"empty.bsdf": b"", "text.bsdf": b"Hello, world\n", "cut.bsdf": film[:100000],
                 "head.bsdf": film[:12] + b"\xff" * 40 + film[52:], "wrong.csv": b"wl_x,wl_y\n1,2\n",
                 "wrong.xml": b"<?xml version='1.0'?><WindowElement><Optical></WindowElement>",
@@ -241,27 +237,27 @@ def damaged(page, folder):
                 "cut.hdr": b"#?RADIANCE\n\n-Y 4 +X 8\n"}
     kinds = {"empty.bsdf": "an empty file", "picture.png": "a PNG picture", "report.json": "a JSON file"}
     chromium = page.chromium
-    clicked(page, LAST_BALL)
-    choose(page, "hue", 90)
+    click_ball(page, LAST_BALL)
+    set_control(page, "hue", 90)
     page.wait("the edit", lambda state: chromium.run("app.state().edited !== null && app.state().busy === 0"))
     work = chromium.run(WORK)
     for name, content in contents.items():
         file = folder / name
         file.write_bytes(content)
-        page.give(file)
+        page.drop(file)
         state, _ = page.wait(name, lambda state: state["failure"].startswith(name))
-        said = run("info", file).stderr.strip().removeprefix("srbf: ").replace(str(file), name)
-        if "unknown format" in said:
-            said = f"{name}: this is {kinds.get(name, 'a file of another kind')}; drop a measurement, a model or an .hdr"
-        said = re.sub(", or one of them as .* in --columns", "", said)  # the page has no options
-        check(name == "cut.hdr" or state["failure"] == said, f"{name}: the page says {state['failure']!r}, not {said!r}")
+        message = run("info", file).stderr.strip().removeprefix("srbf: ").replace(str(file), name)
+        if "unknown format" in message:
+            message = f"{name}: this is {kinds.get(name, 'a file of another kind')}; drop a measurement, a model or an .hdr"
+        message = re.sub(", or one of them as .* in --columns", "", message)  # the page has no options
+        check(name == "cut.hdr" or state["failure"] == message, f"{name}: the page says {state['failure']!r}, not {message!r}")
         check(chromium.run(WORK) == work, f"{name}: it takes away what was there")
         check("\n" not in state["failure"] and len(state["failure"]) < 500, f"{name}: not one line")
     print(f"  {len(contents)} damaged files have a line each, such as: {state['failure']}")
 
 
-def cancelled(page):
-    page.give(root / "data/paper_white_rgb.bsdf")
+def check_cancelled_fit(page):
+    page.drop(ROOT / "data/paper_white_rgb.bsdf")
     page.wait("working", lambda state: state["working"])
     time.sleep(2)
     page.chromium.click("#cancel")
@@ -270,11 +266,11 @@ def cancelled(page):
     print(f"  cancelled within {seconds:.2f} s")
 
 
-def stopped(page):
-    """A save is cancelled; the edited model is there as before."""
+def check_cancelled_save(page):
+    """Checks that a save can be cancelled, and that the edited model remains."""
     chromium = page.chromium
-    clicked(page, LAST_BALL)
-    choose(page, "hue", 90)
+    click_ball(page, LAST_BALL)
+    set_control(page, "hue", 90)
     page.wait("the edit", lambda state: chromium.run("app.state().edited !== null"))
     heading = lambda: chromium.run("document.getElementById('name').textContent")
     check(heading().startswith("Edited: made from "), f"the edited ball has the name {heading()!r}")
@@ -291,21 +287,21 @@ def stopped(page):
     print("  a save is cancelled")
 
 
-def replaced(page):
-    """A second file while the first is fitted; then another number of lobes."""
-    page.give(root / "data/cc_ibiza_sunset_rgb.bsdf")
+def check_replaced_file(page):
+    """Opens a second file while the first is fitted; then changes the number of lobes."""
+    page.drop(ROOT / "data/cc_ibiza_sunset_rgb.bsdf")
     time.sleep(2)
-    page.give(root / "data/paper_white_rgb.bsdf")
+    page.drop(ROOT / "data/paper_white_rgb.bsdf")
     page.wait("the second", lambda state: state["name"] == "paper_white_rgb.bsdf")
-    choose(page, "lobes", 4)
+    set_control(page, "lobes", 4)
     page.wait("fewer lobes", lambda state: page.chromium.run("app.state().fitted.bytes") == 100 and not state["working"])
     check(page.chromium.run("app.state().file.name") == "paper_white_rgb.bsdf", "the second file does not replace the first")
 
 
-def edited(page, folder):
+def check_edits(page, folder):
     """Drops a measurement, edits its model and saves it as a three.js material, by mouse alone."""
-    film, chromium = root / "data/cc_ibiza_sunset_rgb.bsdf", page.chromium
-    page.give(film)
+    film, chromium = ROOT / "data/cc_ibiza_sunset_rgb.bsdf", page.chromium
+    page.drop(film)
     page.wait("the film", lambda state: state["name"] == film.name and not state["working"])
     fitted = page.model()
     status = lambda: chromium.run("document.getElementById('edit_status').textContent")
@@ -318,7 +314,7 @@ def edited(page, folder):
         if time.time() - begun >= PATIENCE:
             return
         time.sleep(0.2)
-    on_one_screen(page, "2")
+    check_one_screen(page, "2")
     print(f"  {status()} It was there {time.time() - begun:.1f} s after the last drag.")
     chromium.click("[data-save=three]")
     saved = folder / (film.stem + "_edited.js")
@@ -327,8 +323,8 @@ def edited(page, folder):
     check(saved.exists() and "roughen" in saved.read_text() and "BlendMaterial" in saved.read_text(), "no three.js material was saved")
     model = folder / "edited.srbf"
     model.write_bytes(page.model())
-    said = run("info", model).stdout
-    check("roughen" in said and "tint highlight" in said, f"the saved model does not say its edits: {said}")
+    info = run("info", model).stdout
+    check("roughen" in info and "tint highlight" in info, f"the saved model does not say its edits: {info}")
     for slider in SLIDERS:
         chromium.click(f"[data-reset={slider}]")
     while status() and time.time() - begun < PATIENCE:
@@ -336,44 +332,43 @@ def edited(page, folder):
     check(page.model() == fitted, "the model is not the fitted one after resets")
 
 
-def closed(page):
+def close_page(page):
     check(not page.chromium.problems, f"the browser's console: {page.chromium.problems}")
     check(all(url.startswith(("file:", "blob:", "data:")) for url in page.chromium.requests), "something is asked of the network")
     page.chromium.close()
 
 
-one_file = root / "data/ready/srbf.html"
+one_file = ROOT / "data/ready/srbf.html"
 if "--write" in sys.argv:
-    shutil.copy(root / "build/srbf.html", one_file)
+    shutil.copy(ROOT / "build/srbf.html", one_file)
 if not program():
-    print("no Chromium (Debian: chromium)")
-    sys.exit(0)
+    skip("no Chromium (Debian: chromium)")
 page = Page(one_file)
 with tempfile.TemporaryDirectory() as name:
     print("  the page in one file:")
-    film = root / "data/cc_ibiza_sunset_rgb.bsdf"
-    compared(page, film, Path(name))
-    for_blender(page, film, Path(name))
-    linked(page, Path(name))
-closed(page)
-page = Page(root / "build/site/index.html")
+    film = ROOT / "data/cc_ibiza_sunset_rgb.bsdf"
+    compare_file(page, film, Path(name))
+    check_blender_script(page, film, Path(name))
+    check_gallery(page, Path(name))
+close_page(page)
+page = Page(ROOT / "build/site/index.html")
 there = page.chromium.run("Math.round(performance.timing.loadEventEnd - performance.timing.navigationStart)")
 print(f"  the page is there after {there} ms")
 with tempfile.TemporaryDirectory() as name:
     for file in (film, film.with_suffix(".csv")):
-        compared(page, file, Path(name))
+        compare_file(page, file, Path(name))
         time.sleep(1)
         page.longest_task()  # to look at what is saved takes longer than to save it
-    edited(page, Path(name))
-    linked(page, Path(name))
-    damaged(page, Path(name))
-    cancelled(page)
-    stopped(page)
-    replaced(page)
+    check_edits(page, Path(name))
+    check_gallery(page, Path(name))
+    check_damaged_files(page, Path(name))
+    check_cancelled_fit(page)
+    check_cancelled_save(page)
+    check_replaced_file(page)
 longest = page.longest_task()
 check(longest <= LONGEST_TASK, f"the page does not answer for {longest} ms")
-closed(page)
-page = Page(root / "build/site/index.html")
-one_layout(page)
-closed(page)
-sys.exit(1 if failures else 0)
+close_page(page)
+page = Page(ROOT / "build/site/index.html")
+check_layout(page)
+close_page(page)
+finish()

@@ -1,19 +1,16 @@
 #!/usr/bin/env python3
 """Files of surfaces in MaterialX and USD: packages materialx and usd-core of PyPI, in this Python.
 
-Fits a surface to a measurement, writes it for each program, and asks MaterialX's and USD's validators.
+Fits a surface to a measurement and writes it for each program. The validators of MaterialX and USD accept the files.
 Arguments: the program, a folder with rgl/.
 """
-import os
 import subprocess
 import sys
 import tempfile
 
 import MaterialX as mx
+from checks import expect, finish
 from pxr import Usd, UsdShade, UsdValidation
-
-sys.path.insert(0, os.path.join(os.path.dirname(__file__), ".."))
-from support.checks import end, expect  # noqa: E402
 
 program, data = sys.argv[1], sys.argv[2]
 
@@ -22,17 +19,17 @@ def run(*words):
     return subprocess.run([program, *words], check=True, capture_output=True, text=True).stdout
 
 
-def check_materialx(path, of_node="open_pbr_surface", words="OpenPBR"):
+def check_materialx(path, kind="open_pbr_surface", name="OpenPBR"):
     library, document = mx.createDocument(), mx.createDocument()
     mx.loadLibraries(mx.getDefaultDataLibraryFolders(), mx.getDefaultDataSearchPath(), library)
     mx.readFromXmlFile(document, path)
     document.setDataLibrary(library)
     is_valid, message = document.validate()
     expect(is_valid, f"MaterialX {mx.getVersionString()}: valid {message}")
-    known = {port.getName(): port.getType() for port in library.getNodeDef(f"ND_{of_node}_surfaceshader").getActiveInputs()}
-    node, = document.getNodes(of_node)
+    known = {port.getName(): port.getType() for port in library.getNodeDef(f"ND_{kind}_surfaceshader").getActiveInputs()}
+    node, = document.getNodes(kind)
     unknown = [port.getName() for port in node.getInputs() if known.get(port.getName()) != port.getType()]
-    expect(not unknown, f"MaterialX: {words} has all parameters {unknown}")
+    expect(not unknown, f"MaterialX: {name} has all parameters {unknown}")
 
 
 def check_usd(path):
@@ -55,4 +52,4 @@ with tempfile.TemporaryDirectory() as folder:
     check_materialx(folder + "/a.mtlx", "standard_surface", "Standard Surface")
     check_usd(folder + "/s.usda")
 
-end()
+finish()

@@ -17,16 +17,14 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from support.chromium import WEBGL, Chromium, program as chromium  # noqa: E402
-from support.visible_error import delta_e, displayed, exposure, hdr_of  # noqa: E402
-from support.surface_drawing import BRUSHED, DISTANCE, ELEVATION, FIELD, MATERIALS, SAMPLES, SIZE, draws_brushed, holds, lost, on_sphere, pixels_of, run, studio as environment  # noqa: E402
+from checks import expect, finish, skip
+from support.chromium import WEBGL, Chromium, program as chromium
+from support.visible_error import delta_e, displayed, exposure, hdr_of
+from support.surface_drawing import BRUSHED, DISTANCE, ELEVATION, FIELD, MATERIALS, SAMPLES, SIZE, errors_of, judge_brushed, judge_errors, on_sphere, pixels_of, run, studio as environment
 
 found = next((Path(p) / "nicegui/elements/scene/dist" for p in sys.path if (Path(p) / "nicegui/elements/scene/dist/index.js").exists()), None)
 if found is None or chromium() is None or importlib.util.find_spec("OpenEXR") is None:
-    print("skipped: no three.js of nicegui, no Chromium or no OpenEXR")
-    sys.exit(0)
+    skip("no three.js of nicegui, no Chromium or no OpenEXR")
 
 data = Path(sys.argv[2])
 OWN_FORMULAS = set(MATERIALS) - {"cg_sunflower_rgb"}  # farther apart by three.js' own, which docs/surface.md names
@@ -112,19 +110,17 @@ with tempfile.TemporaryDirectory() as folder:
                 pictures.append(drawn(page, glb, lights, texels))
                 reference, surface, three = (picture[inside] for picture in pictures)
                 kind, exempt = ("lights", OWN_FORMULAS) if texels is None else ("environment", MATERIALS)
-                if not holds(name, f"three.js ({kind})", lost(reference, surface, three), exempt):
-                    failures.append(name)
+                expect(*judge_errors(name, f"three.js ({kind})", errors_of(reference, surface, three), exempt))
                 by = exposure(reference)
                 row += [displayed(picture, by) for picture in pictures]
             rows.append(np.concatenate(row, axis=1))
         run("export", BRUSHED, "--to", "glb", "-o", f"{folder}/brushed.glb")
         ours, three = rendered(BRUSHED, f"{folder}/brushed.exr", THREE), drawn(page, f"{folder}/brushed.glb", LIGHTS, None)
-        if not draws_brushed("three.js", delta_e(three[inside], ours[inside])):
-            failures.append("brushed")
+        expect(*judge_brushed("three.js", delta_e(three[inside], ours[inside])))
         rows.append(np.concatenate([displayed(picture, exposure(ours[inside])) for picture in (0 * ours, ours, three, *3 * [0 * ours])], axis=1))
     finally:
         page.close()
 if len(sys.argv) > 3:
     from PIL import Image
     Image.fromarray(np.concatenate(rows)).save(sys.argv[3])
-sys.exit(bool(failures))
+finish()

@@ -15,15 +15,11 @@ import sys
 import tempfile
 from pathlib import Path
 
-import numpy as np
-
-here = Path(__file__).resolve()
-sys.path.insert(0, str(here.parent.parent))
-from support.chromium import program as chromium  # noqa: E402
-from support.visible_error import delta_e, equirectangular  # noqa: E402
-from support.browser_server import WEBGPU, opened, picture  # noqa: E402
-from support.surface_drawing import DISTANCE, ELEVATION, FIELD, SIZE, coarse, drawn, on_sphere, run  # noqa: E402
-from support.checks import end, expect  # noqa: E402
+from checks import ROOT, expect, finish, skip
+from support.chromium import program as chromium
+from support.visible_error import delta_e, equirectangular
+from support.browser_server import WEBGPU, opened, picture
+from support.surface_drawing import DISTANCE, ELEVATION, FIELD, SIZE, coarse, drawn, on_sphere, run
 
 SWIFTSHADER = ["--use-gl=angle", "--use-angle=swiftshader", "--ignore-gpu-blocklist", "--enable-unsafe-swiftshader"]
 RENDERERS = {"WebGLRenderer": ("three", SWIFTSHADER, ("module", "core"), {"three": "./three.module.js"}),
@@ -84,8 +80,7 @@ window.isReady = true;
 found = {name: next((folder for folder in Path(sys.argv[2]).parent.glob("peers/*") if all((folder / f"three.{file}.js").exists() for file in files)), None)
          for name, (_, _, files, _) in RENDERERS.items()}
 if None in found.values() or chromium() is None or importlib.util.find_spec("OpenEXR") is None:
-    print("skipped: no three.js of both releases, no Chromium or no OpenEXR")
-    sys.exit(0)
+    skip("no three.js of both releases, no Chromium or no OpenEXR")
 inside = on_sphere()
 whole = coarse(inside)[..., 0] == 1
 
@@ -120,7 +115,7 @@ texels = {name: json.dumps(dict(zip(("rows", "width", "height"), equirectangular
 with tempfile.TemporaryDirectory() as name:
     for material in ("cc_ibiza_sunset_rgb", "paper_white_rgb"):
         model, other, pictures = Path(name, "material.srbf"), Path(name, "other.srbf"), {}
-        run("fit", here.parents[2] / f"data/{material}.bsdf", "-o", model)
+        run("fit", ROOT / f"data/{material}.bsdf", "-o", model)
         run("edit", model, "--hue", 120, "-o", other)
         traced = {light: coarse(drawn(model, f"{name}/traced.exr", path))[whole] for light, path in environments.items()}
         for renderer, (kind, flags, files, imports) in RENDERERS.items():
@@ -146,19 +141,19 @@ with tempfile.TemporaryDirectory() as name:
                     standard, ours = (milliseconds(browser, name, light) for name in ("standard", "ours"))
                     print(f"     {material}, {renderer}, {light}: {ours:.0f} ms, {ours / standard:.1f} times as long as MeshStandardMaterial", flush=True)
                 for other, most in OTHERS.items() if kind == "three-webgpu" else []:
-                    apart = delta_e(picture(browser, f"drawn('ours', '{other}')", SIZE)[inside], pictures[renderer, "studio"][inside])
-                    expect(apart < most, f"{material}, {renderer}, studio: by a {other} {apart:.2f}")
+                    difference = delta_e(picture(browser, f"drawn('ours', '{other}')", SIZE)[inside], pictures[renderer, "studio"][inside])
+                    expect(difference < most, f"{material}, {renderer}, studio: by a {other} {difference:.2f}")
                 browser.run("loaded()")
                 for shown in ("other", "saved", "loaded"):
                     pictures[renderer, shown] = picture(browser, f"drawn('{shown}', 'lamps')", SIZE)
-            apart = delta_e(pictures[renderer, "other"][inside], pictures[renderer, "lamps"][inside])
-            expect(apart > 5, f"{material}, {renderer}: between two materials of a page {apart:.2f}")
-            apart = delta_e(pictures[renderer, "loaded"][inside], pictures[renderer, "saved"][inside])
-            expect(apart == 0, f"{material}, {renderer}: between one that was saved and loaded {apart:.2f}")
+            difference = delta_e(pictures[renderer, "other"][inside], pictures[renderer, "lamps"][inside])
+            expect(difference > 5, f"{material}, {renderer}: between two materials of a page {difference:.2f}")
+            difference = delta_e(pictures[renderer, "loaded"][inside], pictures[renderer, "saved"][inside])
+            expect(difference == 0, f"{material}, {renderer}: between one that was saved and loaded {difference:.2f}")
             for light, most in ENVIRONMENTS.items():
-                apart = delta_e(coarse(pictures[renderer, light])[whole], traced[light])
-                expect(apart <= most, f"{material}, {renderer}, {light}: against path tracing {apart:.2f}")
+                difference = delta_e(coarse(pictures[renderer, light])[whole], traced[light])
+                expect(difference <= most, f"{material}, {renderer}, {light}: against path tracing {difference:.2f}")
         for light, most in LIGHTS.items():
-            apart = delta_e(*(pictures[renderer, light][inside] for renderer in RENDERERS))
-            expect(apart <= most, f"{material}, {light}: between the renderers {apart:.4f}")
-end()
+            difference = delta_e(*(pictures[renderer, light][inside] for renderer in RENDERERS))
+            expect(difference <= most, f"{material}, {light}: between the renderers {difference:.4f}")
+finish()

@@ -105,20 +105,18 @@ def coarse(picture):
     return picture.reshape(SIZE // COARSE, COARSE, SIZE // COARSE, COARSE, -1).mean(axis=(1, 3))
 
 
-def lost(reference, surface, host):
+def errors_of(reference, surface, host):
     """ΔE_ITP of surface and host against the reference, and of the host against the surface, of pixels [n, 3]."""
     return delta_e(surface, reference), delta_e(host, reference), delta_e(host, surface)
 
 
-def draws_brushed(host, difference):
-    """Prints ΔE_ITP between a host's picture of the brushed surface and ours, and returns whether it is as small as expected."""
-    print(f"{'ok  ' if difference <= BRUSHED_WITHIN else 'BAD '} brushed metal: {host} against ours {difference:.2f}", flush=True)
-    return difference <= BRUSHED_WITHIN
+def judge_brushed(host, difference):
+    """Returns True if ΔE_ITP between a host's picture of the brushed surface and ours is as small as expected, and a line that says it."""
+    return difference <= BRUSHED_WITHIN, f"brushed metal: {host} against ours {difference:.2f}"
 
 
-def holds(name, host, losses, own_formulas):
-    """Prints the errors of surface and host, and returns whether they are as small as expected or have a known reason."""
-    ours, host_error, difference = losses
-    near = name in own_formulas or abs(host_error / ours - 1) <= HOST_WITHIN
-    print(f"{'ok  ' if near else 'BAD '} {name}: against the measurement ours {ours:.2f}, {host} {host_error:.2f}; {host} against ours {difference:.2f}", flush=True)
-    return near
+def judge_errors(name, host, errors, own_formulas):
+    """Returns True if the errors of surface and host are as small as expected or have a known reason, and a line that says them."""
+    ours, theirs, difference = errors
+    is_near = name in own_formulas or abs(theirs / ours - 1) <= HOST_WITHIN
+    return is_near, f"{name}: against the measurement ours {ours:.2f}, {host} {theirs:.2f}; {host} against ours {difference:.2f}"

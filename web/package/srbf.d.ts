@@ -35,11 +35,11 @@ export interface Report {
   bytes: number;
   seconds: number;
   twoSided: boolean;
-  /** One-sided measurements have it; for samples, the worst of pictures, of cross-validation and at the samples. */
+  /** Absent for reflection and transmission. For samples it is the worst of three errors: of pictures, of cross-validation and at the samples. */
   seen?: Seen;
   /** A sentence that sums up the errors. */
   headline?: string;
-  /** The same against a noisy measurement after smoothing. */
+  /** Errors against the measurement after smoothing, if it is noisy. */
   smoothed?: Seen;
 }
 

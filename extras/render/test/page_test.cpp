@@ -420,7 +420,7 @@ void expect_loaded(const Json& with) {
         EXPECT_GT(int(labels["seen"]), 100) << state;
     }
     // While a file is read, pictures are under the other environment; afterwards nothing is said.
-    EXPECT_EQ(with["read"], Json({"Reading flat.hdr ..", "studio", "file", ""}));
+    EXPECT_EQ(with["read"], Json({"Reading flat.hdr …", "studio", "file", ""}));
 }
 
 /// The pictures of the browser by their steps.

@@ -1,5 +1,5 @@
 // The library on one page: fits a measurement, writes the model and its GLSL, and asks values and samples of it.
-//   ten_lines paper_white_rgb.bsdf
+//   first_steps paper_white_rgb.bsdf
 #include <cstdio>
 
 #include "srbf/srbf.h"

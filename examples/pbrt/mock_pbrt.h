@@ -1,4 +1,4 @@
-// The least of pbrt-v4 that srbf_pbrt.h needs, for the test where pbrt is not installed. Do not copy it into pbrt.
+// A mock of those parts of pbrt-v4 that srbf_pbrt.h needs, for the test without pbrt. Do not copy it into pbrt.
 #pragma once
 #include <optional>
 #include <string>

@@ -1,4 +1,4 @@
-"""Fits the five measurements as the front page and the paper do, and compares errors with theirs: python3 paper/headline.py PROGRAM FOLDER
+"""Fits the five measurements as the front page and the paper do, and compares errors with theirs: python3 paper/check_front_page.py PROGRAM FOLDER
 
 PROGRAM is `srbf`, and FOLDER has RGL's files; `./run paper FOLDER` calls it. The numbers of the pages are read from their tables. The exit
 status is 1 if one of them differs from that of the fits, rounded as there.
@@ -9,7 +9,7 @@ import statistics
 import sys
 
 from comparison import MEASURED
-from reports import material, report, reports
+from fit_reports import material_of, report_of_fit, reports_of_fits
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
 
@@ -28,7 +28,7 @@ ROWS = [
     (PAPER, "eight lobes, not reciprocal", ("--as-measured",)), (PAPER, "sixteen lobes, not reciprocal", SIXTEEN_AS_MEASURED),
 ]
 # Columns of the tables, and the files that each is the mean of.
-OF_FILES = {"mean of five measurements": FILES, "mean of the five": FILES, "the film": [FILM], "the other four": OTHERS}
+COLUMN_FILES = {"mean of five measurements": FILES, "mean of the five": FILES, "the film": [FILM], "the other four": OTHERS}
 # Columns of the page on accuracy, after the name of the file.
 SEED_COLUMNS = ["least", "median", "largest", "median against the mean"]
 # Seeds of the default. Other options have seed 0 alone.
@@ -71,9 +71,9 @@ def fitted(program, folder):
     models = dict.fromkeys(options for _, _, options in ROWS)
     wanted = [(path, options, seed) for options in models for path in paths for seed in SEEDS.get(options, [0])]
     fits = {}
-    for (path, options, seed), outcome in reports(lambda path, options, seed: report(program, path, *options, "--seed", str(seed)), wanted):
+    for (path, options, seed), outcome in reports_of_fits(lambda path, options, seed: report_of_fit(program, path, *options, "--seed", str(seed)), wanted):
         mean_pictures = outcome.get("mean_pictures", outcome["pictures"])
-        fits[options, material(path), seed] = outcome["pictures"]["delta_e_itp"], mean_pictures["delta_e_itp"], outcome["payload_bytes"]
+        fits[options, material_of(path), seed] = outcome["pictures"]["delta_e_itp"], mean_pictures["delta_e_itp"], outcome["payload_bytes"]
     return fits
 
 
@@ -98,7 +98,7 @@ def numbers_of_rows(errors):
     for path, name, options in ROWS:
         row = row_of(path, name)
         yield path, f"{name}, bytes", row["bytes"], max(errors.fits[options, file, 0][2] for file in FILES)
-        for column, files in OF_FILES.items():
+        for column, files in COLUMN_FILES.items():
             values = [errors.mean(options, files), errors.mean_of_medians(options, files)]
             for kind, text, value in zip(("", ", medians"), NUMBER.findall(row.get(column, "")), values):
                 yield path, f"{name}, {column}{kind}", text, value
@@ -107,8 +107,8 @@ def numbers_of_rows(errors):
 def numbers_of_seeds(errors):
     for name in FILES:
         row = row_of(ACCURACY, name)
-        of_file, of_mean = errors.by_seed(DEFAULT, name), errors.by_seed(DEFAULT, name, 1)
-        values = [min(of_file), statistics.median(of_file), max(of_file), statistics.median(of_mean)]
+        file_errors, mean_errors = errors.by_seed(DEFAULT, name), errors.by_seed(DEFAULT, name, 1)
+        values = [min(file_errors), statistics.median(file_errors), max(file_errors), statistics.median(mean_errors)]
         for column, (what, value) in enumerate(zip(SEED_COLUMNS, values), 1):
             yield ACCURACY, f"{name}, {what} of six seeds", row[column], value
 

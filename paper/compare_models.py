@@ -1,4 +1,4 @@
-"""Writes docs/comparison.csv: python3 paper/rivals.py FILE... [--networks FOLDER] [--codes FOLDER] [--tables FOLDER] > docs/comparison.csv
+"""Writes docs/comparison.csv: python3 paper/compare_models.py FILE... [--networks FOLDER] [--codes FOLDER] [--tables FOLDER] > docs/comparison.csv
 
 Fits each measurement by each model, and compares them by the same measures. Needs the package `srbf`
 (PYTHONPATH=build/release/python) and NumPy. classic_brdfs.py fits `abc`; to RGL's files it also fits small networks, and
@@ -12,25 +12,7 @@ fitted_to_pictures.py models of several sizes. For two published models the auth
                    Wang, Zhao, Bao: A Compact Representation of Measured BRDFs Using Neural Processes, 2021)
 --tables FOLDER    tables of MERL's layout: of RGL's files rows of their principal components, by principal_components.py
 
-convert_networks.py converts the authors' files to these.
-
-These are all steps. Words in capitals stand for folders. `merl_nbrdf` and `rgl-isotropic_nbrdf` are archives of
-https://github.com/asztr/Neural-BRDF, and `NPs-BRDF` is the repository https://github.com/Rendering-at-ZJU/NPs-BRDF. With pip's NumPy 2 install the Python package by `pip install .` instead:
-
-    sudo apt-get install pybind11-dev python3-dev python3-numpy
-    ./run build && cmake --preset release && cmake --build --preset release --target srbf_python
-    mkdir OTHERS NETWORKS RGL-NETWORKS tables MERL35 NPS
-    python3 paper/convert_networks.py nbrdf merl_nbrdf/*.h5 rgl-isotropic_nbrdf/*.h5 OTHERS        # all 151 networks of NBRDF's authors
-    python3 paper/convert_networks.py nps NPs-BRDF NPS                                             # decoder and numbers of the neural process
-    for name in $(cut -d, -f1 docs/comparison.csv | sed 1d | sort -u); do mv OTHERS/$name.txt NETWORKS; done
-    for file in RGL/*_rgb.bsdf; do mv NETWORKS/$(basename $file _rgb.bsdf).txt RGL-NETWORKS; done  # 49 stay in NETWORKS, and 97 in OTHERS
-    /usr/bin/python3 paper/stand_ins.py NETWORKS tables
-    for file in merl_nbrdf/*.h5; do cp tables/$(basename $file .h5).binary MERL35; done              # those of the 100 that are there: 35
-    PYTHONPATH=build/release/python /usr/bin/python3 paper/rivals.py RGL/*.bsdf tables/*.binary \\
-        --networks RGL-NETWORKS --codes NPS --tables MERL35 > rows.csv
-    cp rows.csv docs/comparison.csv && python3 paper/comparison.py                          # the tables and the plot of this page
-    /usr/bin/python3 paper/stand_ins.py OTHERS OTHER-TABLES && ./run leaderboard OTHER-TABLES
-    cut -d, -f2,3,6,8-10 build/leaderboard/results.csv > docs/further_tables.csv                   # the 97 others, there in four digits
+convert_networks.py converts the authors' files to these. comparison_steps.sh has all steps.
 """
 import argparse
 import csv
@@ -64,7 +46,7 @@ FITS = {  # options of srbf.fit
 # Models that are fitted to RGL's files alone.
 SIZED = {f"srbf-{lobes}": {"lobes": lobes} for lobes in (1, 2, 6, 32)}
 COMPONENTS = (4, 8, 16)
-OF_RGL = {*SIZED, *classic_brdfs.MODELS, *fitted_to_pictures.MODELS} - {"abc"}
+RGL_ONLY = {*SIZED, *classic_brdfs.MODELS, *fitted_to_pictures.MODELS} - {"abc"}
 MODELS = [*FITS, *classic_brdfs.MODELS, *SIZED, *fitted_to_pictures.MODELS]
 KINDS = {  # names of materials
     "metal": "alum-bronze brass chrome-steel gold-metallic-paint3 grease-covered-steel nickel ilm_l3_37_metallic "
@@ -160,10 +142,10 @@ def rows_of(path, models, networks, file_order, codes, components, work):
         numbers += [symmetric_error(measured, function)] + [errors[key] for key in HELD_OUT]
         return [name, kind, model, payload, shared] + [f"{number:.6g}" for number in numbers]
 
-    of_rgl = path.endswith("_rgb.bsdf")
+    is_rgl_file = path.endswith("_rgb.bsdf")
     for model in models:
         options = {**FITS, **SIZED}.get(model)
-        if not of_rgl and model in OF_RGL:
+        if not is_rgl_file and model in RGL_ONLY:
             continue
         if options is None:
             value, payload = (fitted_to_pictures if model in fitted_to_pictures.MODELS else classic_brdfs).fit(measured, model)
@@ -171,17 +153,17 @@ def rows_of(path, models, networks, file_order, codes, components, work):
             continue
         fitted = srbf.fit(measured, **options).model
         yield row(model, fitted, fitted.eval, fitted.nbytes)
-    for count in COMPONENTS if components and of_rgl else ():
+    for count in COMPONENTS if components and is_rgl_file else ():
         table = os.path.join(work, "table.binary")
         sizes = components.fit(measured, count, table)
         value = srbf.load_measurement(table)
         yield row(f"pca-{count}", value, value.eval, *sizes)
-    layers = networks and of_rgl and stand_ins.network_of(networks, name)
+    layers = networks and is_rgl_file and stand_ins.network_of(networks, name)
     if layers:
         for model, numbers, size in (("nbrdf", layers, 4), ("nbrdf-16", stand_ins.rounded(layers), 2)):
             value = network(numbers, file_order)
             yield row(model, value, value, size * 675)
-    if codes and of_rgl:
+    if codes and is_rgl_file:
         value = decode(codes, name, work)
         yield row("nps", value, value, 4 * 7, os.path.getsize(os.path.join(codes, "decoder.f32")))
 

@@ -13,11 +13,11 @@
 #include "brdf/directions.h"
 #include "errors/measures.h"
 #include "errors/picture_errors.h"
-#include "one_target.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"
 #include "srbf/kernel.h"
 #include "srbf/model.h"
+#include "support/one_target.h"
 
 namespace srbf {
 namespace {

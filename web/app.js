@@ -82,10 +82,7 @@ const with_commas = (n) => n.toLocaleString("en");
 const two_digits = (x) => Number(x.toPrecision(2)).toString();
 const stem = (name) => name.replace(/(.)\.[^.]*$/, "$1");
 
-function show_text(id, text) { // or hides it, if there is none
-  $(id).textContent = text;
-  set_shown(id, text !== "");
-}
+const show_text = (id, text) => Object.assign($(id), { textContent: text, hidden: text === "" });
 const show_reading_status = (text) => show_text("reading", text);
 function show_failure(text) {
   show_text("failure", text);
@@ -100,9 +97,7 @@ function progress_text(progress, start) {
   const seconds = (performance.now() - start) / 1000, remaining = progress > 0.05 ? seconds * (1 - progress) / progress : NaN;
   return `${Math.round(100 * progress)} %` + (remaining >= 1 ? `, about ${Math.ceil(remaining)} s left` : "");
 }
-function show_edit_progress({ progress }) {
-  $("edit_status").textContent = `Computing the edited model, ${Math.round(100 * progress)} % …`;
-}
+const show_edit_progress = ({ progress }) => { $("edit_status").textContent = `Computing the edited model, ${Math.round(100 * progress)} % …`; };
 function show_saving() {
   const { name, start, progress } = saving, bar = document.querySelector("#writing progress");
   set_shown("writing", true);

@@ -212,11 +212,7 @@ function show_refusal(figure, why) {
   paragraph.textContent = "This browser does not take the shader: " + why;
   figure?.querySelector("canvas")?.replaceWith(paragraph);
 }
-function show_notice(text) {
-  const notice = document.getElementById("said");
-  notice.textContent = text;
-  notice.hidden = !text;
-}
+const show_notice = (text) => Object.assign(document.getElementById("said"), { textContent: text, hidden: !text });
 function show_busy(text) {
   const status = document.getElementById("busy");
   if (status.textContent !== text) status.textContent = text;

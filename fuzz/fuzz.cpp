@@ -3,13 +3,16 @@
 #include <cstdint>
 #include <cstring>
 
-#include "targets.h"
+#include "uses.h"
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    static const auto targets = srbf::all_targets();
-    static const auto target = *std::ranges::find(targets, SRBF_FUZZ_TARGET, &srbf::NamedTarget::name);
+    static const auto target = [] {
+        auto targets = srbf::all_targets();
+        targets.push_back({"uses", srbf::check_uses});
+        return *std::ranges::find(targets, SRBF_FUZZ_TARGET, &srbf::NamedTarget::name);
+    }();
     target.check(std::as_bytes(std::span(data, size)));
     return 0;
 }

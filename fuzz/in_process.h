@@ -17,15 +17,9 @@
 
 #include "../test/support/temporary_folder.h"
 #include "app/commands.h"
+#include "require.h"
 
 namespace srbf {
-
-/// Aborts if a documented property is violated, so that the fuzzer keeps the input.
-inline void require(bool holds, std::string_view promise) {
-    if (holds) return;
-    fmt::print(stderr, "broken: {}\n", promise);
-    std::abort();
-}
 
 /// Discards standard output, and redirects standard error to a file, until `end`.
 class OutputCapture {

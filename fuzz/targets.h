@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "brdf/directions.h"
-#include "in_process.h"
 #include "measured/bytes.h"
 #include "measured/formats.h"
 #include "measured/readers.h"
 #include "models/model_files.h"
+#include "require.h"
 #include "srbf/convert.h"
 #include "srbf/load.h"
 #include "srbf/map.h"
@@ -219,112 +219,6 @@ inline void check_albedo(const PreparedBrdf& brdf) {
     }
 }
 
-/// True if a text contains "nan" or "inf" as a number. Bytes with a 0 are not text.
-inline bool has_bad_number(std::string_view text) {
-    if (text.find('\0') != text.npos) return false;
-    const auto is_letter = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.'; };
-    for (const std::string_view bad : {"nan", "inf"})
-        for (std::size_t i = text.find(bad); i != text.npos; i = text.find(bad, i + 1))
-            if ((i == 0 || !is_letter(text[i - 1])) &&
-                (i + bad.size() == text.size() || !is_letter(text[i + bad.size()])))
-                return true;
-    return false;
-}
-
-/// The values that an option of `srbf export` accepts.
-inline std::vector<std::string> choices_of_export(std::string_view option) {
-    int status = 0;
-    CommandLine app("srbf", "", "", "");
-    add_subcommands(app, status);
-    for (const SubcommandHelp& sub : app.help().subcommands)
-        for (const OptionHelp& candidate : sub.options)
-            if (sub.name == "export" && candidate.names.back() == option) return candidate.choices;
-    return {};
-}
-
-/// A command on an input: the words after the program's name, and the extension of the output file.
-struct Use {
-    std::vector<std::string> words;
-    std::string extension;
-};
-/// Commands on a file. `slow` are exports of the page, of three.js, of Blender, of OSL and of code with additional
-/// functions, and conversions; `quick` are the other exports.
-struct Uses {
-    std::vector<Use> quick, slow;
-};
-inline void add_conversions(Uses& uses) {
-    for (const Format& format : formats())
-        if (format.write) uses.slow.push_back({{"convert", "in"}, std::string(format.extension)});
-}
-inline Uses uses_of_models() {
-    Uses uses;
-    for (const std::string& kind : choices_of_export("--to"))
-        (kind == "html" || kind.starts_with("three") || kind == "blender" || kind == "osl" ? uses.slow : uses.quick)
-            .push_back({{"export", "in", "--to", kind}, ""});
-    for (const std::string& extra : choices_of_export("--with"))
-        uses.slow.push_back({{"export", "in", "--to", "c", "--with", extra}, ""});
-    add_conversions(uses);
-    return uses;
-}
-inline Uses uses_of_measurements() {
-    Uses uses{{{{"info", "in"}, ""}}, {}};
-#ifdef SRBF_RENDER
-    uses.slow.push_back({{"export", "model", "--to", "html", "--reference", "in"}, ""});
-#endif
-    add_conversions(uses);
-    return uses;
-}
-
-/// Prepares, evaluates and samples the BRDF of a file, and runs commands of the program on it: all quick ones and a
-/// slow one, or in a fuzzer a single one. The sum of the bytes chooses.
-inline void check_uses(std::span<const std::byte> bytes) {
-    static const TemporaryFolder folder;
-    static const Uses model_uses = uses_of_models(), measurement_uses = uses_of_measurements();
-    const auto write = [](const char* name, std::span<const std::byte> content) {
-        std::ofstream(folder.path / name, std::ios::binary)
-            .write(reinterpret_cast<const char*>(content.data()), std::streamsize(content.size()));
-    };
-    std::size_t sum = 0;
-    for (const std::byte b : bytes) sum += std::size_t(b);
-    write("in", bytes);
-    const std::string path = (folder.path / "in").string();
-    bool is_model = true;
-    std::string name = "in";
-    auto brdf = load_brdf(path);
-    if (!brdf) brdf = load_brdf(path + "#0"), name = "in";  // maps are exported whole
-    if (!brdf) return;
-    is_model = std::holds_alternative<Model>(*brdf);
-    const PreparedBrdf prepared = std::visit(
-        [&](const auto& kind) { return sum % 8 == 0 ? prepare(kind) : prepare(kind, CosineProposal{}); }, *brdf);
-    check_values(Result<PreparedBrdf>(prepared));
-    check_samples(prepared);
-    if (sum % 8 == 0) return check_albedo(prepared);
-
-    if (!is_model) write("model", write_model({GgxModel{{0.1f, 0.1f, 0.1f}, {{0.4f, {0.5f, 0.5f, 0.5f}, 1}}}, {}}));
-    const Uses& uses = is_model ? model_uses : measurement_uses;
-    const auto run = [&](const Use& use) {
-        std::vector<std::string> words{"srbf"};
-        for (const std::string& word : use.words) words.push_back(word == "in" ? name : word);
-        const std::string out = "out" + use.extension;
-        if (use.words[0] != "info") words.insert(words.end(), {"-o", out});
-        const InProcess done = run_in_process(folder.path, words);
-        const std::string line = fmt::format("{}: ", fmt::join(words, " ")), text = read_text(folder.path / out);
-        require(done.status != k_usage, line + "only a file is wrong");
-        require(done.status == k_done || text.empty(), line + "an error writes nothing");
-        require(!has_bad_number(text), line + "numbers are finite");
-        std::filesystem::remove(folder.path / out);
-    };
-#ifdef SRBF_FUZZ_TARGET  // A fuzzer should try many files.
-    const std::size_t chosen = sum / 8 % (uses.quick.size() + uses.slow.size());
-    run(chosen < uses.quick.size() ? uses.quick[chosen] : uses.slow[chosen - uses.quick.size()]);
-#else
-    for (const Use& use : uses.quick) run(use);
-    run(uses.slow[sum / 8 % uses.slow.size()]);
-#endif
-    for (const auto& entry : std::filesystem::directory_iterator(folder.path))
-        std::filesystem::remove_all(entry.path());
-}
-
 /// Targets that do more than read.
 inline const NamedTarget k_targets[] = {
     {"utia", check_utia},
@@ -345,7 +239,6 @@ inline const NamedTarget k_targets[] = {
     {"obj", [](auto bytes) { check_picture(read_obj(bytes, "f")); }},
     {"environment", [](auto bytes) { check_environment(read_environment(bytes, "f")); }},
 #endif
-    {"uses", check_uses},
 };
 
 }  // namespace srbf

@@ -1,4 +1,4 @@
-// What is fitted, and what of it is computed once for several fits.
+// The data of fits, and what several fits of them share.
 #pragma once
 #include <map>
 #include <optional>

@@ -3,7 +3,6 @@ tests(extras unit scene render likeness)
 
 test_program(extras_files -O0 SANITIZED)
 tests(extras_files "unit;input" mesh environment)
-target_link_libraries(extras_files_tests PRIVATE srbf_commands)
 if(reads_sanitized)
   add_library(render_reading_sanitized OBJECT ${CMAKE_CURRENT_LIST_DIR}/../exr.cpp ${CMAKE_CURRENT_LIST_DIR}/../mesh_files.cpp)
   target_link_libraries(render_reading_sanitized PRIVATE srbf_build srbf_sanitized srbf_render nlohmann_json::nlohmann_json TBB::tbb

@@ -20,14 +20,14 @@ enum Status { k_done = 0, k_input_error = 1, k_usage = 2 };
 /// The program, from its command line to its exit status.
 int run_program(int argc, char** argv);
 
-/// A number of type T within [least, most]; not a NaN.
-template <typename T> Check within(T least, T most) {
+/// A number of type T within [min, max]; not a NaN.
+template <typename T> Check within(T min, T max) {
     return [=](const std::string& text) -> std::string {
         T number{};
         const char* end = text.data() + text.size();
         const auto [rest, error] = std::from_chars(text.data(), end, number);
-        if (error == std::errc() && rest == end && number >= least && number <= most) return {};
-        return fmt::format("expected {} to {}, found {}", least, most, text);
+        if (error == std::errc() && rest == end && number >= min && number <= max) return {};
+        return fmt::format("expected {} to {}, found {}", min, max, text);
     };
 }
 

@@ -1,4 +1,4 @@
-#include "any/table_file.h"
+#include "api/table_file.h"
 #include "app/commands.h"
 #include "app/fit_options.h"
 #include "app/output.h"
@@ -117,7 +117,7 @@ void add_compare(CommandLine& app, int& status) {
         .check(within(1.0, 90.0));
     sub.add_option("--threads", command->threads, "Number of threads; 0: all of the machine")
         .type_name("T")
-        .check(within(0, k_most_threads))
+        .check(within(0, k_max_threads))
         .capture_default_str();
     add_read_options(sub, command->read);
     sub.add_option("--json", command->json, "Write the measures to this file; - is standard output").type_name("FILE");

@@ -1,6 +1,6 @@
 #include "srbf/convert.h"
 
-#include "any/table_file.h"
+#include "api/table_file.h"
 #include "app/commands.h"
 #include "app/fit_options.h"
 #include "app/output.h"
@@ -159,7 +159,7 @@ void add_convert(CommandLine& app, int& status) {
         sub.add_option("--threads", command->threads,
                        "All but CSV: number of threads; 0: all of the machine. The output does not depend on it")
             .type_name("T")
-            .check(within(0, k_most_threads))
+            .check(within(0, k_max_threads))
             .capture_default_str();
     sub.footer(
         "A file that already has the format is copied byte for byte if nothing was assumed about it, unless\n"

@@ -23,7 +23,7 @@ struct EditCommand {
     Coat coat;
     Reduce reduce;
     EditOptions options;
-    std::vector<Option> of_colours;
+    std::vector<Option> colour_options;
     Option roughens, saturates, hues, rotates, coats, reduces;
 
     std::vector<Edit> edits() const;
@@ -34,7 +34,7 @@ struct EditCommand {
 std::vector<Edit> EditCommand::edits() const {
     std::vector<Edit> all;
     if (roughens.given()) all.emplace_back(roughen);
-    if (std::ranges::any_of(of_colours, &Option::given))
+    if (std::ranges::any_of(colour_options, &Option::given))
         all.emplace_back(Tint{scaled(float(scale_highlight), tint.highlight), scaled(float(scale_body), tint.body)});
     if (saturates.given()) all.emplace_back(saturate);
     if (hues.given()) all.emplace_back(hue);
@@ -68,17 +68,17 @@ int EditCommand::run() {
     ProgressLine line;
     options.progress = [&line](const Progress& now) { return line.show("editing", now.fraction), true; };
     const std::vector<Edit> wanted = edits();
-    auto result = edited(*model, wanted, options);
+    auto result = edit_model(*model, wanted, options);
     line.clear();
     if (const auto* pm = std::get_if<PmModel>(&model->model); pm && result) {
-        std::string of_body;
+        std::string body_lobes;
         const std::vector<double> shares = body_shares(*pm);
         for (std::size_t j = 0; j < shares.size(); ++j)
             if (shares[j] > 0)
-                of_body +=
+                body_lobes +=
                     fmt::format(" {}{}", j + 1, shares[j] < 1 ? fmt::format(" ({:.0f} %)", 100 * shares[j]) : "");
-        fmt::print("body: {} of {}; the other lobes are the highlight\n", of_body.empty() ? "none" : "lobe" + of_body,
-                   shares.size());
+        fmt::print("body: {} of {}; the other lobes are the highlight\n",
+                   body_lobes.empty() ? "none" : "lobe" + body_lobes, shares.size());
         if (const auto at = result->provenance.find("limited"); at != result->provenance.end())
             fmt::print("limited: {}\n", at->second);
     }
@@ -86,7 +86,7 @@ int EditCommand::run() {
 }
 
 /// An option for R, G, B, or one number for all three.
-Option add_colour(const Subcommand& sub, const std::string& name, Rgb& colour, double most, const std::string& about) {
+Option add_colour(const Subcommand& sub, const std::string& name, Rgb& colour, double max, const std::string& about) {
     const auto parsed = [](const std::string& text, Rgb& into) {
         std::array<float, 3> numbers{};
         std::size_t count = 0;
@@ -105,18 +105,17 @@ Option add_colour(const Subcommand& sub, const std::string& name, Rgb& colour, d
         .add_option(
             name, [&colour, parsed](const std::string& text) { parsed(text, colour); }, about)
         .type_name("R,G,B")
-        .check([parsed, most](std::string& text) -> std::string {
+        .check([parsed, max](std::string& text) -> std::string {
             Rgb rgb;
             const bool valid = parsed(text, rgb) && is_finite(rgb) && std::min({rgb.r, rgb.g, rgb.b}) >= 0 &&
-                               double(std::max({rgb.r, rgb.g, rgb.b})) <= most;
-            return valid ? ""
-                         : fmt::format("expected three numbers from 0 to {:g}, as 1,0.8,0.6, found {}", most, text);
+                               double(std::max({rgb.r, rgb.g, rgb.b})) <= max;
+            return valid ? "" : fmt::format("expected three numbers from 0 to {:g}, as 1,0.8,0.6, found {}", max, text);
         });
 }
 
-Option add_number(const Subcommand& sub, const std::string& name, double& value, double least, double most,
+Option add_number(const Subcommand& sub, const std::string& name, double& value, double min, double max,
                   const std::string& about) {
-    return sub.add_option(name, value, about).type_name("X").check(within(least, most));
+    return sub.add_option(name, value, about).type_name("X").check(within(min, max));
 }
 
 }  // namespace
@@ -129,7 +128,7 @@ void add_edit(CommandLine& app, int& status) {
     sub.add_option("-o,--output", edit.output, "The model file to write").type_name("FILE").required();
     edit.roughens = add_number(sub, "--roughen", edit.roughen.factor, 0.1, 10,
                                "Multiply the roughness of the highlight by X, 0.1 to 10, by a new fit");
-    edit.of_colours = {
+    edit.colour_options = {
         add_colour(sub, "--tint-highlight", edit.tint.highlight, 10, "Multiply the highlight by this colour"),
         add_colour(sub, "--tint-body", edit.tint.body, 10, "Multiply the body by this colour"),
         add_number(sub, "--scale-highlight", edit.scale_highlight, 0, 10, "Multiply the highlight by X, 0 to 10"),
@@ -147,11 +146,11 @@ void add_edit(CommandLine& app, int& status) {
                                    "Colour of white light that passes twice through the coat along the normal");
     edit.reduces = sub.add_option("--reduce", edit.reduce.lobes, "Fit this number of lobes to the result, 1 to 64")
                        .type_name("J")
-                       .check(within(1, k_most_fitted_lobes));
+                       .check(within(1, k_max_fitted_lobes));
     const Option threads = sub.add_option("--threads", edit.options.threads,
                                           "Number of threads; 0: all of the machine. The output does not depend on it")
                                .type_name("T")
-                               .check(within(0, k_most_threads))
+                               .check(within(0, k_max_threads))
                                .capture_default_str();
     sub.footer(
         "Edits are applied in this order. The body is the lobes that reflect as far from the mirror direction as "
@@ -176,7 +175,7 @@ void add_blend(CommandLine& app, int& status) {
             const auto first = model_in(a), second = model_in(b);
             if (!first || !second) return complain((first ? second : first).error());
             if (const auto writable = check_outputs({a, b}, {output}); !writable) return complain(writable.error());
-            return write(blended(*first, *second, mix), fmt::format("{} and {}", a, b), output);
+            return write(blend_models(*first, *second, mix), fmt::format("{} and {}", a, b), output);
         }
     };
     const auto command = std::make_shared<BlendCommand>();

@@ -20,7 +20,7 @@ std::string header_of(const Channels& brdf) {
 }
 
 /// The rows of CSV with the pairs and their values.
-std::string rows_of(const Channels& brdf, const Pairs& pairs) {
+std::string csv_rows(const Channels& brdf, const Pairs& pairs) {
     const std::size_t C = brdf.count();
     std::vector<float> f(C * pairs.wl.size());
     brdf.evaluate(pairs.wl, pairs.wv, f);
@@ -52,7 +52,7 @@ int run(const std::string& file, const ReadOptions& read, const std::string& pai
         if (!has_header) fmt::print("{}", header_of(brdf));
         has_header = true;
         if (pairs->wl.empty()) return k_done;
-        fmt::print("{}", rows_of(brdf, *pairs));
+        fmt::print("{}", csv_rows(brdf, *pairs));
     }
 }
 

@@ -21,7 +21,7 @@ namespace {
 /// A kind of source text for models, and for a map if `map` is set.
 struct TextKind {
     std::string name, about;
-    bool of_parts = false;  ///< each part of a BSDF becomes a material of its own
+    bool by_part = false;  ///< each part of a BSDF becomes a material of its own
     std::function<Result<std::string>(const ExportCommand&, const std::vector<NamedModel>&, const std::string& prefix)>
         models;
     /// `texture`: the file beside the text that holds the coefficients; empty: the host supplies them.
@@ -118,7 +118,7 @@ Result<Done> write_text(const ExportCommand& asked, const TextKind& kind, const 
             files.push_back(file_of(outputs.back(), std::as_bytes(std::span<const float>(shading_data(*su)))));
         }
     if (const auto writable = check_outputs(asked.files, outputs); !writable) return writable;
-    const std::vector<NamedModel>& named = kind.of_parts ? brdfs : models_by_name;
+    const std::vector<NamedModel>& named = kind.by_part ? brdfs : models_by_name;
     const auto text = kind.models(asked, named, named.size() == 1 ? named[0].name : identifier(stem_of(asked.output)));
     if (!text) return text.error();
     files.push_back(file_of(asked.output, as_bytes(*text)));
@@ -186,7 +186,7 @@ std::vector<TextKind> text_kinds() {
              [=](const auto& asked, const auto& map, auto& name) { return map_code(map, name, options(asked)); }});
     }
     for (const CodeModule& row : code_modules()) {
-        TextKind kind{std::string(row.name), std::string(row.summary), row.of_parts,
+        TextKind kind{std::string(row.name), std::string(row.summary), row.by_part,
                       [=](const auto&, const auto& models, auto& prefix) { return row.text(models, prefix, 0); }};
         kind.has_texture = row.map_text != nullptr;
         if (kind.has_texture)
@@ -233,7 +233,7 @@ Exports core_exports() {
 }  // namespace
 
 std::string ExportCommand::beside(const std::string& name) const {
-    return system_files::text_of(system_files::path_of(output).parent_path() / system_files::path_of(name));
+    return system_files::path_text(system_files::path_of(output).parent_path() / system_files::path_of(name));
 }
 
 Result<ModelsOrMap> load_models_or_map(const std::vector<std::string>& files) {

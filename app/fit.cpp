@@ -91,7 +91,7 @@ Result<Measured> load_for_fit(FileFit& fit) {
         if (!file) return Error{name, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind};
         files.push_back(std::move(*file));
     }
-    auto measured = files.size() > 1 ? joined(files) : std::move(files[0]);
+    auto measured = files.size() > 1 ? join_measurements(files) : std::move(files[0]);
     if (!measured) return measured;
     if (fit.exchange) exchange(*measured);
     if (!fit.band.empty())

@@ -5,10 +5,10 @@
 #include "app/commands.h"
 #include "app/fit.h"
 #include "app/hash.h"
+#include "app/peak.h"
 #include "base/printable.h"
 #include "brdf/directions.h"
 #include "brdf/parts.h"
-#include "app/peak.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "srbf/file.h"
 
@@ -54,8 +54,8 @@ Result<Done> print(const FileFit& fit, const Measured& measured, const BsdfOutco
             fmt::print("  {:<20} {:>7}   unscattered light, {:.3g} % at 0°, stored as it is\n",
                        fmt::format("beam, {}", k_beam_names[b]), payload_bytes(beams[b]),
                        100 * double(share_at(beams[b], {0, 0, 1}).g));
-    fmt::print("\n  reflected and transmitted: at most {} of the light, measured {}\n", percent(outcome.most_fitted),
-               percent(outcome.most_measured));
+    fmt::print("\n  reflected and transmitted: at most {} of the light, measured {}\n", percent(outcome.max_fitted),
+               percent(outcome.max_measured));
     fmt::print("  model     {}\n", printable(fit.output));
     if (!fit.preview.empty()) fmt::print("  picture   {}\n", printable(fit.preview));
     if (!fit.json.empty()) fmt::print("  report    {}\n", printable(fit.json));
@@ -79,8 +79,8 @@ Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& 
               {"load_seconds", fit.load_seconds},
               {"seed", fit.request.seed},
               {"threads", fit.request.threads > 0 ? fit.request.threads : int(std::thread::hardware_concurrency())},
-              {"most_light_measured", outcome.most_measured},
-              {"most_light", outcome.most_fitted}};
+              {"most_light_measured", outcome.max_measured},
+              {"most_light", outcome.max_fitted}};
     for (const PartFit& part : outcome.parts) {
         Json member{{"part", name(part.part)},
                     {"answered_by", part.answered_by ? Json(name(*part.answered_by)) : Json()},

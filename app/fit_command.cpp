@@ -82,7 +82,7 @@ void add_fit(CommandLine& app, int& status) {
         [=, &status] {
             if (command->into_folder() && !options.output.given())
                 options.output.fail("a folder is required for several inputs and --resume");
-            command->fit.request = requested(sub, command->texts);
+            command->fit.request = parse_request_or_exit(sub, command->texts);
             command->fit.given = sub.given();
             if (command->into_folder()) {
                 // The inputs' content is in the key of a result.

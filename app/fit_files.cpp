@@ -19,7 +19,7 @@ namespace srbf {
 namespace {
 
 std::string in_folder(const std::string& folder, const std::string& name) {
-    return system_files::text_of(system_files::path_of(folder) / system_files::path_of(name));
+    return system_files::path_text(system_files::path_of(folder) / system_files::path_of(name));
 }
 
 constexpr double k_none = std::numeric_limits<double>::quiet_NaN();
@@ -74,7 +74,7 @@ struct FileOfMany {
 /// report's key, a hash of the file's content, the options and the program's version, is the same.
 Result<State> fit_one(FileOfMany& file, const FolderFit& folder, const ProgressToken& progress) {
     ResultKey result_key("model", folder.settings);
-    result_key.add(system_files::text_of(system_files::path_of(file.fit.input).filename()));
+    result_key.add(system_files::path_text(system_files::path_of(file.fit.input).filename()));
     if (const auto bytes = read_input(file.fit.input, file.fit.read))
         result_key.add(*bytes);
     else

@@ -45,7 +45,7 @@ OptionsByName add_fit_options(const Subcommand& sub, FitTexts& texts) {
     return add_fit_options(sub, texts, names);
 }
 
-FitRequest requested(const Subcommand& sub, const FitTexts& texts) {
+FitRequest parse_request_or_exit(const Subcommand& sub, const FitTexts& texts) {
     const auto request = fit_request(texts, dashed);
     if (!request) sub.fail(message(request.error()));
     return *request;

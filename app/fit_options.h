@@ -12,7 +12,7 @@ OptionsByName add_fit_options(const Subcommand& sub, FitTexts& texts, const std:
 /// Adds all options of fits.
 OptionsByName add_fit_options(const Subcommand& sub, FitTexts& texts);
 /// The request that the parsed texts describe. Ends the parsing with a usage error if they contradict each other.
-FitRequest requested(const Subcommand& sub, const FitTexts& texts);
+FitRequest parse_request_or_exit(const Subcommand& sub, const FitTexts& texts);
 
 /// True if an output is an existing folder or ends in a slash.
 bool is_folder(const std::string& output);

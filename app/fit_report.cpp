@@ -2,13 +2,13 @@
 
 #include "app/fit.h"
 #include "app/hash.h"
+#include "app/peak.h"
 #include "base/printable.h"
 #include "brdf/directions.h"
 #include "errors/measures.h"
 #include "errors/picture_errors.h"
 #include "fit/noise.h"
 #include "fit/request_traits.h"
-#include "app/peak.h"
 #include "observe/albedo_bound.h"
 #include "srbf/metrics.h"
 
@@ -95,7 +95,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
     if (outcome.empty_directions) json["empty_directions"] = *outcome.empty_directions;
     add_measures(json, *outcome.errors);
     json["headline"] = headline(*outcome.errors);
-    if (outcome.samples) json["judged_pictures"] = json_of(judged(*outcome.errors));
+    if (outcome.samples) json["judged_pictures"] = json_of(headline_errors(*outcome.errors));
     if (outcome.noise) json["noise"] = share_of(*outcome.noise);
     if (outcome.largest_albedo > 1) json["largest_albedo"] = outcome.largest_albedo;
     if (const double limit = albedo_limit_of(request, outcome); !std::isinf(limit)) json["albedo_limit"] = limit;

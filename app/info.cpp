@@ -2,14 +2,14 @@
 
 #include <memory>
 
-#include "any/table_file.h"
+#include "api/table_file.h"
 #include "app/commands.h"
 #include "app/fit_options.h"
 #include "app/output.h"
+#include "app/peak.h"
 #include "base/printable.h"
 #include "brdf/directions.h"
 #include "brdf/values.h"
-#include "app/peak.h"
 #include "measured/tables.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "srbf/file.h"
@@ -162,7 +162,7 @@ void print_behaviour(const Subject& subject) {
         for (const Rgb& value : f)
             for (int c = 0; c < 3; ++c) range.add(value[c]);
     }
-    print_row("smallest value", fmt::format("{:.4g} 1/sr, θ ≤ {}°", range.least, max_theta));
+    print_row("smallest value", fmt::format("{:.4g} 1/sr, θ ≤ {}°", range.min, max_theta));
 }
 
 /// The light that leaves a surface lit from each direction: directional-hemispherical sums of each part and its beam.
@@ -212,7 +212,7 @@ void print_map(const TexelMap& map) {
     const std::size_t each = 6 * std::size_t(map.basis.lobes);
     print_row("bytes", fmt::format("{} shared, {} each", grouped(payload_bytes(map.basis) - each), each));
     ValueRange error;
-    for (const float of_texel : map.error) error.add(of_texel);
+    for (const float texel_error : map.error) error.add(texel_error);
     print_row("error", error.text());
     fmt::print("\n");
     print_provenance(map.provenance);

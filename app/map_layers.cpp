@@ -45,7 +45,7 @@ struct TexelFormat {
     std::uint32_t number_size;  ///< bytes of a number
     std::uint32_t transfer;     ///< 1: linear, 2: sRGB
     std::uint32_t rgb, alpha;   ///< channels with their flags
-    std::uint32_t least, most;  ///< the numbers for 0 or -1, and for 1
+    std::uint32_t min, max;     ///< the numbers for 0 or -1, and for 1
 };
 /// R16G16B16A16_SFLOAT, of signed floats; R8G8B8A8_SRGB, with linear A.
 constexpr TexelFormat k_halves{97, 2, 1, 0xc0, 0xcf, 0xbf800000, 0x3f800000}, k_bytes{43, 1, 2, 0, 0x1f, 0, 255};
@@ -56,7 +56,7 @@ std::vector<std::uint32_t> descriptor(const TexelFormat& format) {
         4 + block, 0, version | block << 16, rgba | rec709 << 8 | format.transfer << 16, 0, 4 * format.number_size, 0};
     for (std::uint32_t c = 0; c < 4; ++c) {
         const std::uint32_t bits = 8 * format.number_size, channel = c < 3 ? format.rgb | c : format.alpha;
-        words.insert(words.end(), {c * bits | (bits - 1) << 16 | channel << 24, 0, format.least, format.most});
+        words.insert(words.end(), {c * bits | (bits - 1) << 16 | channel << 24, 0, format.min, format.max});
     }
     return words;
 }
@@ -128,8 +128,8 @@ Result<Done> check_layers(const TexelMap& map, const std::string& file_name) {
     const auto refused = [&](const char* what, std::string expected, std::string found) {
         return Error{file_name, {}, what, std::move(expected), std::move(found), ErrorCode::argument};
     };
-    if (map.basis.lobes > k_most_layers)
-        return refused("lobes", fmt::format("at most {}", k_most_layers), fmt::format("{}", map.basis.lobes));
+    if (map.basis.lobes > k_max_layers)
+        return refused("lobes", fmt::format("at most {}", k_max_layers), fmt::format("{}", map.basis.lobes));
     if (const std::size_t longest = std::max(map.width, map.height()); longest > k_longest_side)
         return refused("texels of a side", fmt::format("at most {} (srbf map --width)", k_longest_side),
                        fmt::format("{}", longest));

@@ -16,11 +16,11 @@ MapLevel coarser(const MapLevel& finer);
 std::vector<MapLevel> mip_levels(const TexelMap& map);
 
 /// The number of layers of an array that OpenGL ES 3, WebGL 2, WebGPU, Vulkan and Direct3D 11 all guarantee.
-inline constexpr int k_most_layers = 256;
+inline constexpr int k_max_layers = 256;
 /// The longest side of a texture that OpenGL 4, Vulkan and Direct3D 11 take on desktop processors.
 inline constexpr std::size_t k_longest_side = 16384;
 /// Checks that a map can be written as layers. Returns an error that names `file_name` if there are more than
-/// k_most_layers lobes, a side is longer than k_longest_side, or a coefficient is above k_half_max.
+/// k_max_layers lobes, a side is longer than k_longest_side, or a coefficient is above k_half_max.
 Result<Done> check_layers(const TexelMap& map, const std::string& file_name);
 
 /// The layers of a level, one after the other: R, G, B and A = 1 of each texel as 16-bit floats.

@@ -41,8 +41,8 @@ Result<Done> check_output(const std::string& path) {
     if (type != fs::file_type::not_found && type != fs::file_type::regular) return Done{};
     const fs::path folder = fs::weakly_canonical(fs::absolute(system_files::path_of(path), code), code).parent_path();
     if (!fs::is_directory(folder, code))
-        return refused("a folder that exists", fmt::format("no '{}'", system_files::text_of(folder)));
-    if (!system_files::is_writable(system_files::text_of(folder)))
+        return refused("a folder that exists", fmt::format("no '{}'", system_files::path_text(folder)));
+    if (!system_files::is_writable(system_files::path_text(folder)))
         return refused("a writable folder", "one without write permission");
     return Done{};
 }

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/load.h"
-#include "brdf/rows.h"
+#include "brdf/info_rows.h"
 #include "errors/measures.h"
 #include "models/kind/parameters.h"
 #include "srbf/metrics.h"
@@ -28,7 +28,7 @@ Json json_of(const Parameter& parameter);
 /// The errors of pictures by which a fit is judged, in its report; null if the report has none.
 const Json* judged_pictures(const Json& report);
 
-/// Picture errors of a table against its transpose; none if it is reciprocal or not a table.
+/// Picture errors of a table against itself with light and viewer exchanged; none if it is reciprocal or not a table.
 std::optional<Appearance> reciprocity_errors(const AnyBrdf& brdf, int threads = 0);
 /// "within ΔE_ITP 14.4 (worst 21.4) where light and viewer are exchanged"
 std::string reciprocity_text(const Appearance& exchanged);

@@ -15,10 +15,10 @@ namespace {
 // The numbers below are described at `peak_of`.
 constexpr std::size_t k_positions = 4;  // mirror, retro, beside, elsewhere, as in PeakPosition
 constexpr double k_around = 10 * k_degree;
-constexpr double k_least_ratio = 2;
+constexpr double k_min_ratio = 2;
 /// Bounds of the intervals of θ_l.
 constexpr std::array<double, 5> k_light{10 * k_degree, 25 * k_degree, 40 * k_degree, 55 * k_degree, 70 * k_degree};
-constexpr double k_most_view = 75 * k_degree;
+constexpr double k_max_view = 75 * k_degree;
 constexpr std::array<double, 3> k_shells{0.25 * k_degree, 1 * k_degree, 4 * k_degree};
 
 double angle_between(const Vec3d& a, const Vec3d& b) {
@@ -32,17 +32,17 @@ struct Level {
     void add(std::size_t shell, double y) { sum[shell] += y, count[shell] += 1; }
     /// Negative if there are no pairs.
     double value() const {
-        double most = -1;
+        double max = -1;
         for (std::size_t s = 0; s < sum.size(); ++s)
-            if (count[s] > 0) most = std::max({most, sum[s] / count[s], 0.0});
-        return most;
+            if (count[s] > 0) max = std::max({max, sum[s] / count[s], 0.0});
+        return max;
     }
 };
 using Levels = std::array<std::array<Level, k_positions>, k_light.size() - 1>;
 
 void add(Levels& levels, const Vec3d& wl, const Vec3d& wv, double y) {
     const double theta_l = polar_angle(wl);
-    if (!(theta_l >= k_light.front() && theta_l < k_light.back() && polar_angle(wv) <= k_most_view)) return;
+    if (!(theta_l >= k_light.front() && theta_l < k_light.back() && polar_angle(wv) <= k_max_view)) return;
     const std::size_t interval = std::size_t(std::ranges::upper_bound(k_light, theta_l) - k_light.begin()) - 1;
     const Vec3d side{-wl.y, wl.x, wl.z};
     const std::array<double, 3> angle{angle_between(wv, mirror(wl)), angle_between(wv, wl),
@@ -57,31 +57,31 @@ Peak peak_of(const Levels& levels) {
     std::array<double, k_positions> score{}, ratio{}, count{};
     for (const auto& interval : levels) {
         std::array<double, k_positions> level{};
-        double least = -1, most = 0;
+        double min = -1, max = 0;
         std::size_t measured = 0;
         for (std::size_t p = 0; p < k_positions; ++p) {
             level[p] = interval[p].value();
             if (level[p] < 0) continue;
             ++measured;
-            least = least < 0 ? level[p] : std::min(least, level[p]);
-            most = std::max(most, level[p]);
+            min = min < 0 ? level[p] : std::min(min, level[p]);
+            max = std::max(max, level[p]);
         }
         if (measured < 2 || (level[0] < 0 && level[1] < 0)) continue;
         for (std::size_t p = 0; p < k_positions; ++p) {
             if (level[p] < 0) continue;
             const double quotient =
-                most > 0 ? std::max(level[p], most / k_most_peak) / std::max(least, most / k_most_peak) : 1;
+                max > 0 ? std::max(level[p], max / k_max_peak) / std::max(min, max / k_max_peak) : 1;
             score[p] += elementary::log(quotient), count[p] += 1, ratio[p] = std::max(ratio[p], quotient);
         }
     }
     Peak peak;
-    double most = -1;
+    double max = -1;
     for (std::size_t p = 0; p < k_positions; ++p) {
-        if (!(count[p] > 0) || score[p] / count[p] <= most) continue;
-        most = score[p] / count[p];
+        if (!(count[p] > 0) || score[p] / count[p] <= max) continue;
+        max = score[p] / count[p];
         peak = {PeakPosition(p), ratio[p]};
     }
-    if (peak.position != PeakPosition::unknown && peak.ratio < k_least_ratio) peak.position = PeakPosition::none;
+    if (peak.position != PeakPosition::unknown && peak.ratio < k_min_ratio) peak.position = PeakPosition::none;
     return peak;
 }
 
@@ -139,7 +139,7 @@ Peak peak_of(const Measured& measured) {
 
 std::string peak_text(const Peak& peak, bool is_transmission) {
     const std::string times =
-        fmt::format("{}{:.0f} times f elsewhere", peak.ratio >= k_most_peak ? "over " : "", peak.ratio);
+        fmt::format("{}{:.0f} times f elsewhere", peak.ratio >= k_max_peak ? "over " : "", peak.ratio);
     switch (peak.position) {
         case PeakPosition::mirror:
             return fmt::format("highlight {}, {}", is_transmission ? "straight through" : "at the mirror direction",

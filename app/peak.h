@@ -18,9 +18,9 @@ const char* name(PeakPosition position);
 
 struct Peak {
     PeakPosition position = PeakPosition::unknown;
-    double ratio = 1;  ///< see `peak_of`; at most `k_most_peak`
+    double ratio = 1;  ///< see `peak_of`; at most `k_max_peak`
 };
-inline constexpr double k_most_peak = 1000;
+inline constexpr double k_max_peak = 1000;
 
 /// The position of the highlight. With the light at (θ_l, 0), pairs with viewers within 10° of (θ_l, 180°) belong to
 /// the mirror direction, of (θ_l, 0) to retro and of (θ_l, ±90°) to beside, whichever is nearest; others are elsewhere.

@@ -88,7 +88,7 @@ class Grammar {
             const bool is_output = option.names.back() == "--output" && sub.name != "fit";
             if ((option.positional || is_output || option.names.back() == "--to") && next(16) > 0) add(words, option);
         }
-        for (std::size_t left = next(k_most_options); left > 0; --left) {
+        for (std::size_t left = next(k_max_options); left > 0; --left) {
             const OptionHelp& option = sub.options[next(sub.options.size())];
             const bool is_given = std::ranges::count(words, option.names.back()) > 0;
             if (!is_given || next(16) == 1) add(words, option);
@@ -97,7 +97,7 @@ class Grammar {
     }
 
   private:
-    static constexpr std::size_t k_most_options = 5;
+    static constexpr std::size_t k_max_options = 5;
 
     std::size_t next(std::size_t count) const {
         if (bytes_.empty()) return 0;

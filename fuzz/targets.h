@@ -165,12 +165,12 @@ inline void check_mesh(const Result<Mesh>& mesh) {
 }
 
 /// Pictures of meshes with more triangles would take too long.
-inline constexpr std::size_t k_most_triangles = 1 << 14;
+inline constexpr std::size_t k_max_triangles = 1 << 14;
 
 /// Checks that a picture of a mesh is finite.
 inline void check_picture(const Result<Mesh>& mesh) {
     check_mesh(mesh);
-    if (!mesh || mesh->triangles.size() > k_most_triangles) return;
+    if (!mesh || mesh->triangles.size() > k_max_triangles) return;
     const Scene scene = scene_of(*mesh, {}, 1);
     const Mesh floor = ground_below(*mesh, scene.camera.up);
     static const std::vector<PathMaterial> materials{diffuse({0.5f, 0.5f, 0.5f})};

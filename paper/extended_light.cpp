@@ -45,7 +45,7 @@ struct ExportedLight {
     static float elevation_coordinate(float cosine) { return srbf::elevation_coordinate(std::clamp(cosine, 0.f, 1.f)); }
     struct Pm {};
     const ExtendedLight& lobes;
-    static constexpr int EXTENDED_LOBES = k_most_extended_lobes;  ///< those that `lobes` lacks have weight 0
+    static constexpr int EXTENDED_LOBES = k_max_extended_lobes;  ///< those that `lobes` lacks have weight 0
     static constexpr int EXTENDED_NODES = ExtendedLight::k_views, EXTENDED_LEVELS = ExtendedLight::k_levels;
     const PreparedBrdf& material;
     const FilteredEnvironment* map = nullptr;

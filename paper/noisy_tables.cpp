@@ -71,7 +71,7 @@ AlbedoErrors albedo_errors_of(const Evaluate& truth, const Evaluate& other) {
     for (const double theta : k_angles) {
         const Rgb a = albedo(truth, theta * k_degree, 89 * k_degree),
                   b = albedo(other, theta * k_degree, 89 * k_degree);
-        const auto raise = [](double& most, double error) { most = std::max(most, std::abs(error)); };
+        const auto raise = [](double& max, double error) { max = std::max(max, std::abs(error)); };
         raise(worst.luminance, double(luminance(b)) / double(luminance(a)) - 1);
         for (int c = 0; c < 3; ++c) raise(worst.channel, double(b[c] - a[c]) / double(luminance(a)));
     }

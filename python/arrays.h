@@ -34,19 +34,19 @@ template <typename T> std::span<const float> floats(const std::vector<T>& values
 
 /// A string of Python. Bytes that are not UTF-8 are kept, as in Python's file names ("surrogateescape"), or written
 /// as \\xff ("backslashreplace").
-inline py::str text_of(std::string_view text, const char* error_handler = "backslashreplace") {
+inline py::str to_python_text(std::string_view text, const char* error_handler = "backslashreplace") {
     auto* decoded = PyUnicode_DecodeUTF8(text.data(), py::ssize_t(text.size()), error_handler);
     if (decoded == nullptr) throw py::error_already_set();
     return py::reinterpret_steal<py::str>(decoded);
 }
-inline py::str file_name_of(std::string_view name) { return text_of(name, "surrogateescape"); }
+inline py::str file_name_of(std::string_view name) { return to_python_text(name, "surrogateescape"); }
 
 /// Raises srbf.Error.
 [[noreturn]] inline void raise(const Error& error) {
     const py::object type = py::module_::import("srbf").attr("Error");
     const py::object offset = error.offset ? py::cast(*error.offset) : py::none();
     const py::object exception =
-        type(text_of(message(error)), file_name_of(error.source), offset, printable(error.what),
+        type(to_python_text(message(error)), file_name_of(error.source), offset, printable(error.what),
              printable(error.expected), printable(error.found), std::string(name(error.code)));
     PyErr_SetObject(type.ptr(), exception.ptr());
     throw py::error_already_set();
@@ -88,7 +88,7 @@ inline void require_unit(const Array& directions, const char* argument) {
 template <typename Body> void for_parts(std::size_t n, const Body& body) {
     constexpr std::size_t part = 1 << 14, many = 1 << 20;
     const auto run = [&](const ProgressToken& token) {
-        parallel_for_parts(n, part, n > part ? 0 : 1, [&](std::size_t begin, std::size_t end) {
+        parallel_for_chunks(n, part, n > part ? 0 : 1, [&](std::size_t begin, std::size_t end) {
             if (!token.cancelled()) body(begin, end - begin);
         });
         return Done{};

@@ -3,7 +3,7 @@
 // because of pybind11.
 #include <pybind11/stl.h>
 
-#include "any/table_file.h"
+#include "api/table_file.h"
 #include "code/offered_code.h"
 #include "errors/sphere.h"
 #include "fit/fit_options.h"
@@ -66,21 +66,21 @@ std::string code(const std::vector<PyBrdf>& models, const std::vector<std::strin
 py::list notes_of(const PyBrdf& brdf) {
     py::list lines;
     if (brdf.measured())
-        for (const std::string& note : notes(*brdf.measured())) lines.append(text_of(note));
+        for (const std::string& note : notes(*brdf.measured())) lines.append(to_python_text(note));
     return lines;
 }
 
 py::dict provenance_of(const PyBrdf& brdf) {
     py::dict entries;
     if (brdf.model())
-        for (const auto& [key, value] : brdf.model()->provenance) entries[text_of(key)] = text_of(value);
+        for (const auto& [key, value] : brdf.model()->provenance) entries[to_python_text(key)] = to_python_text(value);
     return entries;
 }
 
 PyBrdf edit_of(const PyBrdf& brdf, const Edit& edit) {
     const Model& model = brdf.require_model();
     return PyBrdf(required(in_background(py::none(), [&](const ProgressToken& token) {
-        return edited(model, std::span(&edit, 1), {.progress = token});
+        return edit_model(model, std::span(&edit, 1), {.progress = token});
     })));
 }
 
@@ -102,7 +102,7 @@ void define_edits(py::class_<PyBrdf>& brdf) {
              })
         .def("reduced", [](const PyBrdf& model, int lobes) { return edit_of(model, Reduce{lobes}); })
         .def("blended", [](const PyBrdf& model, const PyBrdf& other, double mix) {
-            return PyBrdf(required(blended(model.require_model(), other.require_model(), mix)));
+            return PyBrdf(required(blend_models(model.require_model(), other.require_model(), mix)));
         });
 }
 
@@ -206,7 +206,7 @@ PYBIND11_MODULE(_srbf, module) {
     define_fits(module);
     define_functions(module);
     define_choices(module);
-    module.attr("most_threads") = k_most_threads;
+    module.attr("most_threads") = k_max_threads;
     module.attr("version") = SRBF_VERSION;
     module.attr("knows_numpy_2") = PYBIND11_VERSION_HEX >= 0x020C0000;
 }

@@ -24,7 +24,7 @@ inline py::dict measures_of(const Comparison& comparison) {
         errors["heldout_delta_e_itp"] = comparison.heldout_appearance->mean.delta_e;
         errors["heldout_worst_delta_e_itp"] = comparison.heldout_appearance->worst_delta_e;
     }
-    errors["judged_delta_e_itp"] = judged(comparison).mean.delta_e;
+    errors["judged_delta_e_itp"] = headline_errors(comparison).mean.delta_e;
     if (comparison.measure) errors["samples_delta_e_itp"] = comparison.samples_delta_e;
     errors["headline"] = headline(comparison);
     py::dict lightings;

@@ -24,7 +24,7 @@ inline py::dict to_python(const Parameters& parameters) {
 }
 
 /// The numbers of an array. Raises TypeError for anything but an array of real numbers.
-inline NumberArray numbers_of(const std::string& name, const py::handle& value) {
+inline NumberArray to_number_array(const std::string& name, const py::handle& value) {
     const py::array array = py::module_::import("numpy").attr("asarray")(value);
     if (const char kind = array.dtype().kind(); kind != 'f' && kind != 'i' && kind != 'u')
         throw py::type_error(name + ": expected real numbers, found dtype " +
@@ -47,7 +47,7 @@ inline Parameters from_python(const py::dict& values) {
         else if (py::isinstance<py::int_>(value))
             parameter.value = value.cast<int>();
         else
-            parameter.value = numbers_of(parameter.name, value);
+            parameter.value = to_number_array(parameter.name, value);
     }
     return parameters;
 }

@@ -32,8 +32,8 @@ std::string python_name(const std::string& name) {
 
 /// Puts everything but names and numbers in parentheses: & and |, which join comparisons of arrays, bind more tightly
 /// than these.
-std::string text_of(const Expression& expression, const Program& program) {
-    const auto part = [&](std::size_t i) { return text_of(expression.parts[i], program); };
+std::string expression_code(const Expression& expression, const Program& program) {
+    const auto part = [&](std::size_t i) { return expression_code(expression.parts[i], program); };
     switch (expression.kind) {
         case EKind::number:
         case EKind::name:
@@ -58,7 +58,7 @@ std::string text_of(const Expression& expression, const Program& program) {
         case EKind::call: {
             std::string arguments;
             for (const Expression& argument : expression.parts)
-                arguments += (arguments.empty() ? "" : ", ") + text_of(argument, program);
+                arguments += (arguments.empty() ? "" : ", ") + expression_code(argument, program);
             return fmt::format("{}({})", python_name(expression.text), arguments);
         }
     }
@@ -78,7 +78,9 @@ std::string arrays_of(const Type& type, const Program& program) {
 void print(const std::vector<Statement>& body, int depth, const Program& program, std::string& text) {
     const std::string indent(std::size_t(4 * depth), ' ');
     const auto line = [&](const std::string& content) { text += indent + content + "\n"; };
-    const auto value = [&](const Statement& owner, std::size_t i = 0) { return text_of(owner.values[i], program); };
+    const auto value = [&](const Statement& owner, std::size_t i = 0) {
+        return expression_code(owner.values[i], program);
+    };
     for (const Statement& statement : body) {
         switch (statement.kind) {
             case SKind::declare:

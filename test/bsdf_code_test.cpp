@@ -70,18 +70,18 @@ void expect_nothing_of_nan(const Answer& answer) {
 
 void expect_values(const Answer& answer, const Model& model, std::mt19937_64& random) {
     const auto& bsdf = std::get<BsdfModel>(model.model);
-    const Beams beams = completed(bsdf.part, bsdf.beam);
+    const Beams beams = complete_beams(bsdf.part, bsdf.beam);
     for (int i = 0; i < 4000; ++i) {
         const Vec3f wl = to_float(random_direction(random)), wv = to_float(random_direction(random));
         const Rgb f = answer(value_of, wl, wv), expected = value(model, wl, wv);
-        const Rgb through = answer(beam, wl, wv), of_mirror = answer(mirror_beam, wl, wv);
+        const Rgb through = answer(beam, wl, wv), mirror_value = answer(mirror_beam, wl, wv);
         const Vec3f from = mirror(wv);
         const Part through_part = wv.z > 0 ? Part::transmission_back : Part::transmission_front,
                    mirror_part = wv.z > 0 ? Part::reflection_front : Part::reflection_back;
         for (int c = 0; c < 3; ++c) {
             ASSERT_WITHIN(f[c], expected[c], 1e-4 * double(expected[c]) + 1e-6);
             ASSERT_WITHIN(through[c], share_at(beams, through_part, from)[c], 1e-4);
-            ASSERT_WITHIN(of_mirror[c], share_at(beams, mirror_part, from)[c], 1e-4);
+            ASSERT_WITHIN(mirror_value[c], share_at(beams, mirror_part, from)[c], 1e-4);
         }
     }
     const Vec3f in_surface{1, 0, 0}, up{0, 0, 1};
@@ -109,13 +109,13 @@ void expect_draws(const Answer& answer, const Model& model, Vec3f wv, std::mt199
         const Vec3f three{u(), u(), u()};
         const Rgb to = answer(drawn, three, wv);
         const Vec3f wl{to.r, to.g, to.b};
-        const float of_draw = answer(density, wl, wv).r;
-        if (!(of_draw > 0)) {
+        const float draw_density = answer(density, wl, wv).r;
+        if (!(draw_density > 0)) {
             ++lost;
             continue;
         }
         observed[bins.index(to_double(wl))] += 1;
-        const double weight = double(answer(value_of, wl, wv).g * std::abs(wl.z) / of_draw);
+        const double weight = double(answer(value_of, wl, wv).g * std::abs(wl.z) / draw_density);
         sum += weight, squares += weight * weight;
     }
     const double mass = sum_of(expected), seen = sum_of(observed);

@@ -1,5 +1,5 @@
 // BSDFs: their parts, models and files, sampling over the sphere, and fits of both sides.
-#include "any/table_file.h"
+#include "api/table_file.h"
 #include "brdf/parts.h"
 #include "models.h"
 #include "models/bsdf/bsdf_functions.h"
@@ -161,10 +161,10 @@ TEST(Bsdf, SamplesFollowTheDensity) {
         const Beams beam = lobe_bsdf_with_beams().beam;
         const Vec3f from = mirror(wv);
         const bool front = theta < 90;
-        const double of_beams =
+        const double expected_beams =
             double(share_at(beam, front ? Part::reflection_front : Part::reflection_back, from).r) +
             double(share_at(beam, front ? Part::transmission_back : Part::transmission_front, from).r);
-        EXPECT_WITHIN_RELATIVE(by_beam / count, of_beams, 0.03);
+        EXPECT_WITHIN_RELATIVE(by_beam / count, expected_beams, 0.03);
     }
 }
 

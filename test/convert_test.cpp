@@ -2,7 +2,7 @@
 #include "srbf/convert.h"
 #include "errors/measures.h"
 
-#include "any/table_file.h"
+#include "api/table_file.h"
 #include "brdf/colour.h"
 #include "brdf/values.h"
 #include "measured/formats/warp.h"

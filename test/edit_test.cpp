@@ -48,17 +48,17 @@ void expect_lawful(const Model& model) {
 }
 
 Model with_edit(const Model& model, const Edit& edit) {
-    auto result = edited(model, std::span(&edit, 1));
+    auto result = edit_model(model, std::span(&edit, 1));
     EXPECT_TRUE(result.ok()) << text(edit) << ": " << message(result.error());
     return *std::move(result);
 }
 
 TEST(Edit, SeparatesHighlightAndBody) {
     const Model fit = k_materials[0].fit();
-    const Rgb body = albedo(evaluator(separated(pm(fit)).body), 0.5, k_pi / 2);
+    const Rgb body = albedo(evaluator(separate_highlight(pm(fit)).body), 0.5, k_pi / 2);
     for (int c = 0; c < 3; ++c) EXPECT_WITHIN_RELATIVE(body[c], k_materials[0].truth.diffuse[c], 0.05);
     const Model metal = k_materials[1].fit();
-    EXPECT_LT(albedo(evaluator(separated(pm(metal)).body), 0.5, k_pi / 2).r, 0.02f);
+    EXPECT_LT(albedo(evaluator(separate_highlight(pm(metal)).body), 0.5, k_pi / 2).r, 0.02f);
 }
 
 TEST(Edit, RoughensFacetsExactly) {
@@ -70,7 +70,7 @@ TEST(Edit, RoughensFacetsExactly) {
         for (const float factor : {0.5f, 1.f, 2.f}) {
             GgxModel rough = facets;
             rough.lobes[0].roughness *= factor;
-            const Evaluate by_directions = roughened(evaluator(facets), double(factor), double(alpha));
+            const Evaluate by_directions = apply_roughening(evaluator(facets), double(factor), double(alpha));
             for (int i = 0; i < 500; ++i) {
                 const Vec3f wl = to_float(random_direction(random, 0.02)),
                             wv = to_float(random_direction(random, 0.02));
@@ -117,7 +117,8 @@ TEST(Edit, TintedFitsLookLikeFacetsOfThoseColours) {
 TEST(Edit, HueKeepsLuminanceAndSaturationEndsInGrey) {
     std::mt19937_64 random(2);
     const Model model{random_model(random, {.form = PmForm::reciprocal}), {}};
-    const PmModel grey = saturated(pm(model), 0), turn = turned(pm(model), 2 * k_pi), third = turned(pm(model), 0.3);
+    const PmModel grey = saturated(pm(model), 0), turn = turn_hue(pm(model), 2 * k_pi),
+                  third = turn_hue(pm(model), 0.3);
     for (std::size_t j = 0; j < grey.coefficient.size(); ++j) {
         const Rgb colour = pm(model).coefficient[j];
         EXPECT_WITHIN(grey.coefficient[j].r, luminance(colour), 1e-6);
@@ -129,7 +130,7 @@ TEST(Edit, HueKeepsLuminanceAndSaturationEndsInGrey) {
     // Red becomes green and green blue by a third of a turn, but for grey.
     PmModel red = pm(model);
     red.coefficient.assign(red.coefficient.size(), {0.3f, 0, 0});
-    const Rgb green = turned(red, 2 * k_pi / 3).coefficient[0];
+    const Rgb green = turn_hue(red, 2 * k_pi / 3).coefficient[0];
     EXPECT_GT(green.g, green.r);
     EXPECT_GT(green.g, green.b);
 }
@@ -151,12 +152,12 @@ TEST(Edit, RotatesTheTangent) {
 
 TEST(Edit, BlendsAreMeansAndAreReduced) {
     const Model a = k_materials[0].fit(), b = k_materials[1].fit();
-    const auto blend = checked(blended(a, b, 0.5));
+    const auto blend = checked(blend_models(a, b, 0.5));
     std::mt19937_64 random(4);
     for (int i = 0; i < 500; ++i) {
         const Vec3f wl = to_float(random_direction(random, 0.02)), wv = to_float(random_direction(random, 0.02));
-        const Rgb f = value(*blend, wl, wv), of_a = value(a, wl, wv), of_b = value(b, wl, wv);
-        for (int c = 0; c < 3; ++c) EXPECT_WITHIN_RELATIVE(f[c], (of_a[c] + of_b[c]) / 2, 1e-4);
+        const Rgb f = value(*blend, wl, wv), value_a = value(a, wl, wv), value_b = value(b, wl, wv);
+        for (int c = 0; c < 3; ++c) EXPECT_WITHIN_RELATIVE(f[c], (value_a[c] + value_b[c]) / 2, 1e-4);
     }
     expect_lawful(*blend);
     const Evaluate truth = [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
@@ -165,9 +166,9 @@ TEST(Edit, BlendsAreMeansAndAreReduced) {
     };
     const Model few = with_edit(*blend, Reduce{8});
     EXPECT_EQ(pm(few).lobes, 8);
-    const double of_fits = 0.5 * (visible_error(evaluator(k_materials[0].truth), evaluator(a)) +
-                                  visible_error(evaluator(k_materials[1].truth), evaluator(b)));
-    EXPECT_LE(visible_error(truth, evaluator(few)), 1.5 * of_fits);
+    const double fit_errors = 0.5 * (visible_error(evaluator(k_materials[0].truth), evaluator(a)) +
+                                     visible_error(evaluator(k_materials[1].truth), evaluator(b)));
+    EXPECT_LE(visible_error(truth, evaluator(few)), 1.5 * fit_errors);
     expect_lawful(few);
 }
 
@@ -176,7 +177,7 @@ TEST(Edit, BlendsOfDifferentFormsAreMeans) {
     const Model reciprocal{rounded(random_model(random, {.form = PmForm::reciprocal})), {}};
     for (const PmForm form : {PmForm::gaussian, PmForm::extended}) {
         const Model other{rounded(random_model(random, {.variates = 2, .form = form})), {}};
-        const auto blend = checked(blended(other, reciprocal, 0.25));
+        const auto blend = checked(blend_models(other, reciprocal, 0.25));
         for (int i = 0; i < 100; ++i) {
             const Vec3f wl = to_float(random_direction(random, 0.05)), wv = to_float(random_direction(random, 0.05));
             const double f = 0.75 * double(value(other, wl, wv).g) + 0.25 * double(value(reciprocal, wl, wv).g);
@@ -184,17 +185,17 @@ TEST(Edit, BlendsOfDifferentFormsAreMeans) {
         }
     }
     const Model many{random_model(random, {.variates = 5}), {}};
-    EXPECT_FALSE(blended(reciprocal, many, 0.5).ok());
+    EXPECT_FALSE(blend_models(reciprocal, many, 0.5).ok());
 }
 
 TEST(Edit, CoatsReflectAllThatWhiteBasesDo) {
     const GgxModel white{{1, 1, 1}, {{1, {}, 0}}}, black{{0, 0, 0}, {{1, {}, 0}}};
     const Coat coat{0.05, 1.5, {1, 1, 1}};
     for (const double theta : {0.1, 0.8, 1.3}) {
-        EXPECT_WITHIN(albedo(coated(evaluator(white), coat), theta, k_pi / 2).g, 1, 0.02) << theta;
+        EXPECT_WITHIN(albedo(apply_coat(evaluator(white), coat), theta, k_pi / 2).g, 1, 0.02) << theta;
         const double cosine = std::cos(theta);
         const double fresnel = Kernel<double>::dielectric_reflectance(cosine, 1.5);
-        EXPECT_WITHIN(albedo(coated(evaluator(black), coat), theta, k_pi / 2).g, fresnel, 0.02) << theta;
+        EXPECT_WITHIN(albedo(apply_coat(evaluator(black), coat), theta, k_pi / 2).g, fresnel, 0.02) << theta;
     }
 }
 
@@ -214,7 +215,8 @@ TEST(Edit, CoatedFitsAreLawful) {
         EXPECT_EQ(pm(coat).lobes, pm(material.fit()).lobes + 3);
         GgxModel wide = material.truth;
         wide.lobes[0].roughness *= float(std::hypot(1, 0.1 / 3 / std::sqrt(2.0) / 0.3));
-        EXPECT_LE(visible_error(coated(evaluator(wide), {0.1, 1.5, {1, 1, 1}}), evaluator(coat)), 2.5) << material.name;
+        EXPECT_LE(visible_error(apply_coat(evaluator(wide), {0.1, 1.5, {1, 1, 1}}), evaluator(coat)), 2.5)
+            << material.name;
     }
 }
 
@@ -224,7 +226,7 @@ TEST(Edit, CoatsLookLikeWalksBetweenTheirLayers) {
     for (const auto& [material, roughness] : {std::pair(std::size_t(0), 0.1), {1, 0.1}, {1, 0.3}}) {
         const GgxModel& base = k_materials[material].truth;
         const Coat coat{roughness, 1.5, {1, 1, 1}};
-        const SimulatedCoat simulated(MicrosurfaceWalk(base, roughness, coat.ior), coated(evaluator(base), coat),
+        const SimulatedCoat simulated(MicrosurfaceWalk(base, roughness, coat.ior), apply_coat(evaluator(base), coat),
                                       k_paths);
         const Evaluate truth = [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
             for (std::size_t i = 0; i < f.size(); ++i) f[i] = simulated.value(wl[i], wv[i]);
@@ -245,7 +247,7 @@ TEST(Edit, NamesTheLimitThatWasReached) {
     EXPECT_CONTAINS(brighter.provenance.at("limited"), ", to tint highlight ");
     EXPECT_FALSE(darker.provenance.contains("limited"));
     const Edit tiny = Tint{{1e-9f, 1e-9f, 1e-9f}, {1, 1, 1}};
-    EXPECT_FALSE(edited(fit, std::span(&tiny, 1)).ok());  // 16-bit floats would make it black
+    EXPECT_FALSE(edit_model(fit, std::span(&tiny, 1)).ok());  // 16-bit floats would make it black
 }
 
 TEST(Edit, RefusesModelsItCannotEdit) {
@@ -253,7 +255,7 @@ TEST(Edit, RefusesModelsItCannotEdit) {
     const Model colours{random_model(random, {}), {}}, spectral{spectral_model(random, {}, 5), {}},
         facets{k_materials[0].truth, {}};
     const auto refused = [](const Model& model, const Edit& edit) {
-        const auto result = edited(model, std::span(&edit, 1));
+        const auto result = edit_model(model, std::span(&edit, 1));
         return !result.ok() && result.error().code == ErrorCode::argument;
     };
     EXPECT_TRUE(refused(facets, TurnHue{10}));
@@ -264,8 +266,8 @@ TEST(Edit, RefusesModelsItCannotEdit) {
     EXPECT_TRUE(refused(colours, Tint{{1, std::nanf(""), 1}}));
     EXPECT_TRUE(refused(colours, Coat{0.1, 1, {1, 1, 1}}));
     EXPECT_TRUE(refused(colours, Reduce{0}));
-    EXPECT_FALSE(blended(colours, spectral, 0.5).ok());
-    EXPECT_FALSE(blended(colours, colours, 1.5).ok());
+    EXPECT_FALSE(blend_models(colours, spectral, 0.5).ok());
+    EXPECT_FALSE(blend_models(colours, colours, 1.5).ok());
 }
 
 }  // namespace

@@ -59,8 +59,8 @@ TEST(Elementary, ErrorsAreThoseThatAreStated) {
         std::mt19937_64 random(2);
         for (int i = 0; i < k_count; ++i) {
             const double x = std::pow(1e6, 2 * uniform(random) - 1);
-            const double of_logarithm = 2 + 2 * std::abs(y * std::log(x));
-            ASSERT_LE(error_in_ulp(elementary::pow(x, y), std::pow((long double)(x), (long double)(y))), of_logarithm)
+            const double log_error = 2 + 2 * std::abs(y * std::log(x));
+            ASSERT_LE(error_in_ulp(elementary::pow(x, y), std::pow((long double)(x), (long double)(y))), log_error)
                 << x << ' ' << y;
         }
     }

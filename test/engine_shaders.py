@@ -84,13 +84,13 @@ def compile_unity(glslang, work):
         with open(os.path.join(work, name), "w", encoding="utf-8") as file:
             file.write(URP)
     passes = re.findall(r"^ *HLSLPROGRAM\n(.*?)^ *ENDHLSL", read("data", "ready", "film.shader"), flags=re.M | re.S)
-    for i, of_pass in enumerate(passes):
+    for i, pass_text in enumerate(passes):
         for stage, pragma in (("vert", "#pragma vertex vert"), ("frag", "#pragma fragment frag")):
-            assert pragma in of_pass
+            assert pragma in pass_text
             path = os.path.join(work, f"pass{i}.{stage}")
-            for keyword in ["", *sorted(set(re.findall("_FORWARD_PLUS|_MAIN_LIGHT_SHADOWS_SCREEN", of_pass)))]:
+            for keyword in ["", *sorted(set(re.findall("_FORWARD_PLUS|_MAIN_LIGHT_SHADOWS_SCREEN", pass_text)))]:
                 define = f"#define {keyword}\n" if keyword else ""
-                compile_text(glslang, path + ".hlsl", "#extension GL_GOOGLE_include_directive : enable\n" + define + of_pass, "-D", "-V", "-S", stage,
+                compile_text(glslang, path + ".hlsl", "#extension GL_GOOGLE_include_directive : enable\n" + define + pass_text, "-D", "-V", "-S", stage,
                              "-e", stage, "-o", path + ("2" if keyword else "") + ".spv", f"-I{work}")
     return len(passes)
 

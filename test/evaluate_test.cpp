@@ -75,10 +75,10 @@ TEST_P(EvaluateOn, AgreesWithDouble) {
     for (int i = 0; i < 20; ++i) add_about_mirror(pairs, random_, random_direction(random_, 0.05), 0.3, 10);
     for (const PmForm form : k_forms)
         for (const bool axial : {true, false})
-            for (int variates = 1; variates <= k_most_variates; ++variates)
+            for (int variates = 1; variates <= k_max_variates; ++variates)
                 for (const int lobes : {1, 6, 9, 33})  // also more than lanes
                     expect_exact(random_model(random_, {axial, variates % 2 == 0, lobes, variates, 3000, form}), pairs);
-    expect_exact(random_model(random_, {false, true, k_most_lobes, k_most_variates, 3000, PmForm::extended}), pairs);
+    expect_exact(random_model(random_, {false, true, k_max_lobes, k_max_variates, 3000, PmForm::extended}), pairs);
 }
 
 TEST_P(EvaluateOn, SpectraAgreeWithDoubleAndHaveTheColour) {
@@ -169,17 +169,17 @@ TEST_P(EvaluateOn, IsCutBeforeSubnormalNumbersAndInfinity) {
             EXPECT_EQ(f.b, 0);
         }
     }
-    for (double least = -80; least <= -60; least += 0.05) {  // 2^-100 is e^-69.3
+    for (double min = -80; min <= -60; min += 0.05) {  // 2^-100 is e^-69.3
         model.bandwidth = {0};
-        model.log_scale = {float(least)};
+        model.log_scale = {float(min)};
         const double expected = std::max(std::exp(double(model.log_scale[0])), 0x1p-100);
         for (const Rgb& f : evaluated(model, pairs)) EXPECT_WITHIN_RELATIVE(f.g, expected, 1e-4);
     }
-    model.lobes = k_most_lobes;
-    model.coefficient.assign(k_most_lobes, {k_half_max, 1, 0});
-    model.log_scale.assign(k_most_lobes, k_half_max);
-    model.centre.assign(k_most_lobes, {0, 0, 1});
-    model.bandwidth.assign(k_most_lobes, 0);
+    model.lobes = k_max_lobes;
+    model.coefficient.assign(k_max_lobes, {k_half_max, 1, 0});
+    model.log_scale.assign(k_max_lobes, k_half_max);
+    model.centre.assign(k_max_lobes, {0, 0, 1});
+    model.bandwidth.assign(k_max_lobes, 0);
     for (const Rgb& f : evaluated(model, pairs)) {
         EXPECT_TRUE(is_finite(f));
         EXPECT_WITHIN_RELATIVE(f.g, 1024 * 0x1p100, 1e-4);

@@ -1,6 +1,6 @@
 // A fit may exceed the measurement between the pairs it was fitted to. Such pairs are found and added to the
 // observations.
-#include "observe/bound.h"
+#include "observe/excess.h"
 
 #include "brdf/directions.h"
 #include "models/pm/search/subsets.h"
@@ -55,19 +55,19 @@ TEST(Excess, PairsThatExceedTheMeasurementAreFound) {
 TEST(Excess, PairsBecomeObservationsAndThenWeighMore) {
     Observations o = lambertian_observations();
     const std::size_t first = o.fitted_count(), bound_pairs = o.bound_pairs;
-    const std::size_t taken = add_exceeded_pairs(o, first, with_spike(), 0.01);
+    const std::size_t taken = promote_exceeded_pairs(o, first, with_spike(), 0.01);
     ASSERT_GT(taken, 0u);
     EXPECT_EQ(o.bound_pairs, bound_pairs - taken);
     const double largest = largest_measured(o);
     std::vector<double> weight;
     for (std::size_t i = first; i < first + taken; ++i) {
-        const auto cosine = [](float z) { return std::max(double(z), k_brink_cosine); };
+        const auto cosine = [](float z) { return std::max(double(z), k_grazing_cosine); };
         EXPECT_GT(double(value(with_spike(), o.wl[i], o.wv[i]).r) * cosine(o.wl[i].z) * cosine(o.wv[i].z),
                   1.6 * largest * (1 - 1e-5));
         EXPECT_WITHIN_RELATIVE(o.weight[i], bound_weight(o, i, 0.01, largest), 1e-12);
         weight.push_back(o.weight[i]);
     }
-    EXPECT_EQ(add_exceeded_pairs(o, first, with_spike(), 0.01), taken);
+    EXPECT_EQ(promote_exceeded_pairs(o, first, with_spike(), 0.01), taken);
     EXPECT_EQ(o.bound_pairs, bound_pairs - taken);
     for (std::size_t i = 0; i < taken; ++i) EXPECT_EQ(o.weight[first + i], 4 * weight[i]);
 }

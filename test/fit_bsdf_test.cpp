@@ -83,8 +83,8 @@ void expect_good(const std::array<Evaluate, k_parts>& parts, bool sides_are_alik
             EXPECT_WITHIN(sum.fitted, sum.measured, std::max(0.02 * sum.measured, 0.005))
                 << name(part.part) << " " << sum.theta / k_degree;
     }
-    EXPECT_WITHIN(fitted->most_fitted, fitted->most_measured, 0.01);
-    EXPECT_LE(fitted->most_fitted, 1.01);
+    EXPECT_WITHIN(fitted->max_fitted, fitted->max_measured, 0.01);
+    EXPECT_LE(fitted->max_fitted, 1.01);
     EXPECT_GT(expect_energy_conserved(fitted->model), 0.1);
 }
 

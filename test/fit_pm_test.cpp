@@ -126,8 +126,8 @@ TEST(FitPm, ReciprocalFormIsReciprocal) {
         options.axial = axial;
         const auto fit = checked(fit_pm(observed(reciprocal_mean(signed_evaluator(paper))), options));
         std::mt19937_64 random(5);
-        const auto draw = [&](double most_cosine) {
-            return to_float(spherical(elementary::acos(most_cosine * uniform(random)), 2 * k_pi * uniform(random)));
+        const auto draw = [&](double max_cosine) {
+            return to_float(spherical(elementary::acos(max_cosine * uniform(random)), 2 * k_pi * uniform(random)));
         };
         std::vector<Vec3f> a, b;
         for (int i = 0; i < 1000; ++i) {  // to the horizon
@@ -153,12 +153,12 @@ TEST(FitPm, AlbedoIsWithinItsLimit) {
         PmForm form;
         std::optional<double> limit;
         float scale;
-        double most;
+        double max;
     };
-    for (const auto& [form, limit, scale, most] : {Case{PmForm::reciprocal, {}, 1, 1},
-                                                   {PmForm::extended, 0.5, 1, 0.5},
-                                                   {PmForm::reciprocal, {}, 1.33f, 1},
-                                                   {PmForm::reciprocal, k_none, 1.33f, k_none}}) {
+    for (const auto& [form, limit, scale, max] : {Case{PmForm::reciprocal, {}, 1, 1},
+                                                  {PmForm::extended, 0.5, 1, 0.5},
+                                                  {PmForm::reciprocal, {}, 1.33f, 1},
+                                                  {PmForm::reciprocal, k_none, 1.33f, k_none}}) {
         const Evaluate rising = [scale = scale](auto wl, auto wv, auto f) {
             for (std::size_t i = 0; i < f.size(); ++i) {
                 const float sum = wl[i].z + wv[i].z, value = scale * (0.2f + 0.05f / (sum * sum + 1e-4f));
@@ -173,10 +173,10 @@ TEST(FitPm, AlbedoIsWithinItsLimit) {
             double largest = 0;
             for (double cosine = 1; cosine >= 1e-3; cosine *= 0.93)
                 largest = std::max(largest, largest_of(albedo(evaluator(model), elementary::acos(cosine), k_pi / 2)));
-            EXPECT_LE(largest, 1.001 * most);
-            EXPECT_GE(largest, std::min(0.9 * most, 1.2));
+            EXPECT_LE(largest, 1.001 * max);
+            EXPECT_GE(largest, std::min(0.9 * max, 1.2));
         }
-        EXPECT_GT(albedo(evaluator(fit->model), 30 * k_degree, k_pi / 2).r, std::min(0.6, 0.8 * most));
+        EXPECT_GT(albedo(evaluator(fit->model), 30 * k_degree, k_pi / 2).r, std::min(0.6, 0.8 * max));
     }
 }
 

@@ -312,7 +312,7 @@ TEST(GapFilledSamples, MatchTheSamplesAndAreBoundedElsewhere) {
     }
     const auto one_lobe = checked(fill_gaps(samples, k_cap, 0, true));
     EXPECT_WITHIN(one_lobe->prior_limit, 1.6 * peak, 1e-5 * peak);
-    EXPECT_EQ(one_lobe->least_bound, one_lobe->prior_limit);
+    EXPECT_EQ(one_lobe->min_bound, one_lobe->prior_limit);
 }
 
 TEST(GapFilledSamples, RecoverAMicrofacetModel) {
@@ -411,7 +411,7 @@ TEST(FitSamples, IsJudgedAtItsSamplesToo) {
     errors.samples_delta_e = 3, errors.measure = &Measures::log10_rms;
     errors.appearance.mean.delta_e = 5, errors.heldout_appearance->mean.delta_e = 4;
     errors.matrix.log10_rms = errors.heldout.log10_rms = 0.44;
-    EXPECT_EQ(judged(errors).mean.delta_e, 5);
+    EXPECT_EQ(headline_errors(errors).mean.delta_e, 5);
     EXPECT_LACKS(headline(errors), "apart");
     errors.matrix.log10_rms = 1.17;
     const auto ends =
@@ -453,7 +453,7 @@ TEST(GapFilledSamples, PeakIsAtMostFourTimesTheLargestSample) {
             largest = std::max(largest, double(samples.colour[i].g) * double(samples.wl[i].z * samples.wv[i].z));
         for (const GgxModel& prior : completed->priors)
             for (const GgxModel::Lobe& lobe : prior.lobes)
-                EXPECT_GE(lobe.roughness, 0.999 * least_roughness(samples.wl, samples.wv));
+                EXPECT_GE(lobe.roughness, 0.999 * min_roughness(samples.wl, samples.wv));
         for (int theta = 0; theta <= 60; theta += 15) {
             const Vec3f wl = to_float(spherical(theta * k_degree, k_pi)),
                         wv = to_float(spherical(theta * k_degree, 0.0));
@@ -472,15 +472,15 @@ TEST(GapFilledSamples, BoundRoughnessByTheirHalfVectors) {
         }
         return pairs;
     };
-    const auto least_roughness_of = [&](std::initializer_list<double> theta_h) {
+    const auto min_roughness_of = [&](std::initializer_list<double> theta_h) {
         const auto [wl, wv] = pairs_at(theta_h);
-        return least_roughness(wl, wv);
+        return min_roughness(wl, wv);
     };
     const double tan2 = std::tan(2 * k_degree), tan12 = std::tan(12 * k_degree);
-    EXPECT_WITHIN(least_roughness_of({5, 2, 7}), tan2, 1e-6);             // where GGX is a quarter of its peak
-    EXPECT_WITHIN(least_roughness_of({0, 0, 0.1, 12}), tan12 / 4, 1e-6);  // the peak itself was measured
-    EXPECT_WITHIN(least_roughness_of({2, 12}), std::max(tan2, tan12 / 4), 1e-6);
-    EXPECT_EQ(least_roughness_of({}), 0);
+    EXPECT_WITHIN(min_roughness_of({5, 2, 7}), tan2, 1e-6);             // where GGX is a quarter of its peak
+    EXPECT_WITHIN(min_roughness_of({0, 0, 0.1, 12}), tan12 / 4, 1e-6);  // the peak itself was measured
+    EXPECT_WITHIN(min_roughness_of({2, 12}), std::max(tan2, tan12 / 4), 1e-6);
+    EXPECT_EQ(min_roughness_of({}), 0);
 }
 
 /// Pictures of gaps between lights 20° apart, with few viewers out of the plane, and of the rim of a sphere beyond

@@ -270,7 +270,7 @@ TEST(FitSu, RefusesBadOptionsAndMatrices) {
     for (const int bad : {-1, 0, 7, 8193, 1 << 30})
         EXPECT_FALSE(tabulate(signed_evaluator(bundled("paper_white_rgb")), {.directions = bad})) << bad;
     // The smallest number of directions.
-    const RawMatrix few = matrix_of("paper_white_rgb", k_least_views);
+    const RawMatrix few = matrix_of("paper_white_rgb", k_min_views);
     const auto fit = checked(fit_su(few, {.lobes = 2, .objective = Objective::raw}));
     EXPECT_TRUE(is_finite(value(fit->model, {0, 0, 1}, {0, 0.6f, 0.8f})));
 }

@@ -7,7 +7,7 @@
 #include "brdf/directions.h"
 #include "measured_files.h"
 #include "models.h"
-#include "observe/bound.h"
+#include "observe/excess.h"
 #include "observe/observations.h"
 #include "observe/pairs.h"
 #include "properties.h"
@@ -86,10 +86,10 @@ TEST_P(DefaultFit, StaysWithinItsRecordedErrorsOfAlbedo) {
 TEST_P(DefaultFit, IsBoundedToTheHorizon) {
     const Measured& measured = bundled(GetParam().name);
     // f cosθl cosθv exceeds the largest measured value by at most a factor everywhere, including close to the horizon.
-    const auto largest = [](const auto& brdf, double most, double step, double azimuth) {
+    const auto largest = [](const auto& brdf, double max, double step, double azimuth) {
         float peak = 0;
-        for (double l = 0; l <= most; l += step)
-            for (double v = 0; v <= most; v += step)
+        for (double l = 0; l <= max; l += step)
+            for (double v = 0; v <= max; v += step)
                 for (double p = azimuth; p <= 180; p += 5) {
                     const Vec3f wl = to_float(spherical(l * k_degree, p * k_degree)),
                                 wv = to_float(spherical(v * k_degree, 0.0));
@@ -98,7 +98,7 @@ TEST_P(DefaultFit, IsBoundedToTheHorizon) {
                 }
         return peak;
     };
-    const float bound = float(k_most_excess) * largest(measured, 89, 0.5, 180);  // where highlights are
+    const float bound = float(k_max_excess) * largest(measured, 89, 0.5, 180);  // where highlights are
     EXPECT_LE(largest(outcome().model, 90 - 1e-9, 2.5, 0), bound);
     for (const double theta : {89.0, 89.5, 89.9, 89.99, 89.999})
         for (double p = 0; p <= 180; p += 1) {
@@ -106,7 +106,7 @@ TEST_P(DefaultFit, IsBoundedToTheHorizon) {
                         wv = to_float(spherical(theta * k_degree, 0.0));
             const Rgb f = value(outcome().model, wl, wv);
             ASSERT_TRUE(is_finite(f));
-            const float cosine = std::max(wl.z, float(k_brink_cosine));
+            const float cosine = std::max(wl.z, float(k_grazing_cosine));
             ASSERT_LE(std::max({f.r, f.g, f.b}) * cosine * cosine, bound) << theta << ' ' << p;
         }
 }
@@ -246,11 +246,11 @@ TEST(Fitter, ATokenCancelsFromAnotherThread) {
 TEST(Progress, PartsCountWithinTheWhole) {
     double last = -1;
     const ProgressToken token([&](const Progress& now) { return last = now.fraction, true; });
-    EXPECT_TRUE(token.part(0.5, 1).part(0, 0.5).report("a quarter", 1));
+    EXPECT_TRUE(token.subrange(0.5, 1).subrange(0, 0.5).report("a quarter", 1));
     EXPECT_WITHIN(last, 0.75, 1e-12);
     EXPECT_TRUE(token.report("earlier", 0.1));
     EXPECT_WITHIN(last, 0.75, 1e-12) << "progress decreased";
-    token.part(0, 1).cancel();
+    token.subrange(0, 1).cancel();
     EXPECT_TRUE(token.cancelled());
     EXPECT_FALSE(token.report("never", 1));
     EXPECT_TRUE(ProgressToken{}.report("to nobody", 1));

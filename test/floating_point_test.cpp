@@ -187,9 +187,9 @@ TEST(StandardArithmetic, KeepsSubnormals) {
     for (const auto mode : k_modes) {
         set_mode(mode);
         const StandardArithmetic standard;
-        volatile float least = std::numeric_limits<float>::min();
+        volatile float min = std::numeric_limits<float>::min();
         volatile double least_double = std::numeric_limits<double>::min();
-        EXPECT_GT(least / 2, 0);
+        EXPECT_GT(min / 2, 0);
         EXPECT_GT(least_double / 2, 0);
         volatile float subnormal_operand = std::bit_cast<float>(std::uint32_t(0x00400000));
         EXPECT_GT(subnormal_operand * 1e30f, 0);

@@ -114,7 +114,7 @@ TEST(Formats, LargeValuesAreKeptOrRefused) {
         }
     };
     std::mt19937_64 random(1);
-    PmModel pm = random_model(random, {.lobes = 1, .variates = 1, .most_bandwidth = 2});
+    PmModel pm = random_model(random, {.lobes = 1, .variates = 1, .max_bandwidth = 2});
     pm.coefficient = {{1e6f, 1, 1}};
     refused({pm, {}});
     refused({GgxModel{{0.1f, 0.1f, 1e6f}, {GgxModel::Lobe{}}}, {}});

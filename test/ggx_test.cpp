@@ -11,8 +11,8 @@ namespace srbf::ggx_test {
 namespace {
 
 GgxModel random_ggx(std::mt19937_64& random, int lobes) {
-    const auto colour = [&](double most) {
-        return Rgb{float(most * uniform(random)), float(most * uniform(random)), float(most * uniform(random))};
+    const auto colour = [&](double max) {
+        return Rgb{float(max * uniform(random)), float(max * uniform(random)), float(max * uniform(random))};
     };
     GgxModel model{colour(0.8), {}};
     for (int i = 0; i < lobes; ++i)

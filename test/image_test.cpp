@@ -119,12 +119,12 @@ TEST(Jpeg, IsTheImageUpToItsQuality) {
         ASSERT_TRUE(write_file(folder / "a.jpg", bytes).ok());
         const Image8 back = decoded(folder / "a.jpg");
         ASSERT_EQ(std::pair(back.width, back.height), std::pair(50, 30));
-        int most = 0;
+        int max = 0;
         for (std::size_t i = 0; i < image.pixels.size(); ++i)
             for (std::size_t c = 0; c < 3; ++c)
-                most = std::max(most, std::abs(int(back.pixels[i][c]) - int(image.pixels[i][c])));
-        EXPECT_LE(most, furthest) << quality;
-        EXPECT_GT(most, 0) << quality;
+                max = std::max(max, std::abs(int(back.pixels[i][c]) - int(image.pixels[i][c])));
+        EXPECT_LE(max, furthest) << quality;
+        EXPECT_GT(max, 0) << quality;
     }
 }
 

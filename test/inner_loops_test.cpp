@@ -1,6 +1,6 @@
 // The inner loops of fits, compared with plain loops for every instruction set of this machine.
-#include "models/pm/solve/columns.h"
-#include "models/pm/solve/rows.h"
+#include "models/pm/solve/packed_observations.h"
+#include "models/pm/solve/simd_columns.h"
 
 #include "observe/observations.h"
 #include "one_target.h"

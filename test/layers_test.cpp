@@ -27,7 +27,7 @@ const std::vector<std::vector<std::string>> k_levels{
     {"src/models/pm/search", "src/models/su"},
     {"src/samples"},
     {"src/models"},
-    {"src/prepared", "src/fit", "src/edit", "src/any"},
+    {"src/prepared", "src/fit", "src/edit", "src/api"},
     {"src/code", "src/code/runtime", "extras/maps", "extras/environment"},
     {"extras/daylight/code", "extras/environment/code", "app"},
     {"extras/render", "extras/maps/app"},
@@ -149,7 +149,7 @@ TEST(Layers, NoFilesIncludeEachOther) {
                 EXPECT_TRUE(known->second) << from << " includes " << to << ", which includes it";
         is_done[from] = true;
     };
-    for (const auto& [path, of_path] : std::map(included))
+    for (const auto& [path, includes] : std::map(included))
         if (!is_done.contains(path)) follow(path);
 }
 

@@ -43,8 +43,8 @@ Lobes doubled(Lobes lobes) {
     return lobes;
 }
 
-const Rows& rows() {
-    static const Rows cached(observations());
+const PackedObservations& rows() {
+    static const PackedObservations cached(observations());
     return cached;
 }
 
@@ -79,7 +79,7 @@ TEST(Lobes, SpectralGradientMatchesDifferences) {
                       }
                   }};
     observe_spectra(o, five);
-    const Rows spectral(o, {.spectra = true});
+    const PackedObservations spectral(o, {.spectra = true});
     EXPECT_EQ(spectral.y.size(), 5u);
     for (const Lobes& lobes : {some_lobes(), reciprocal(general_lobes()), doubled(reciprocal(general_lobes()))}) {
         LobeProblem problem(spectral, lobes.shape, false);
@@ -109,7 +109,7 @@ TEST(Lobes, GradientMatchesTheLoss) {
 TEST(Lobes, LossIncludesAlbedo) {
     const Observations o = observations();
     const double importance = 0.3;
-    const Rows rows_with_integrals(o, {.integral_importance = importance});
+    const PackedObservations rows_with_integrals(o, {.integral_importance = importance});
     for (const Lobes& lobes : {some_lobes(), general_lobes(), reciprocal(general_lobes())}) {
         LobeProblem problem(rows_with_integrals, lobes.shape, false);
         const Eigen::VectorXd x = pack(lobes);
@@ -138,8 +138,8 @@ TEST(Lobes, LossIncludesAlbedo) {
 }
 
 /// Returns the rows of the same observations with pictures.
-const Rows& rows_with_pictures() {
-    static const Rows cached(observations(Objective::appearance), {.picture_importance = 0.01});
+const PackedObservations& rows_with_pictures() {
+    static const PackedObservations cached(observations(Objective::appearance), {.picture_importance = 0.01});
     return cached;
 }
 
@@ -184,7 +184,7 @@ TEST(Lobes, LossIncludesPictures) {
     EXPECT_WITHIN_RELATIVE(loss, pair_loss + 0.01 * picture_loss / pixels, 2e-3);
     EXPECT_WITHIN_RELATIVE(problem.delta_e(), delta_e / pixels, 1e-3);
     // Pictures influence the coefficients: coefficients of the pairs alone have a larger visible error.
-    const Rows negligible(o, {.picture_importance = 1e-9});
+    const PackedObservations negligible(o, {.picture_importance = 1e-9});
     LobeProblem without_pictures(negligible, {PmForm::gaussian, 3}, false);
     without_pictures.loss(x);
     EXPECT_LT(problem.delta_e(), 0.98 * without_pictures.delta_e());
@@ -284,7 +284,7 @@ TEST(Rounding, KeepsDirections) {
     EXPECT_LT(largest, 3e-5);
 }
 
-// The columns of a problem are the values of the model of its lobes, on both sides of a reciprocal one.
+// The columns of a problem are the values of the model of its lobes, in both orders of a reciprocal one.
 TEST(Rounding, ModelOfReciprocalLobesHasTheirLoss) {
     const Observations o = observations();
     for (const Lobes& lobes : {reciprocal(general_lobes()), doubled(reciprocal(general_lobes()))}) {
@@ -298,7 +298,7 @@ TEST(Rounding, ModelOfReciprocalLobesHasTheirLoss) {
 
 TEST(Rounding, IsAtLeastAsGoodAsRoundingEachNumber) {
     const Lobes extended{{PmForm::extended, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, 0.2, 2, 3, -1.5, 1, -4, 0.3, 5}};
-    for (const Rows* each_rows : {&rows(), &rows_with_pictures()})
+    for (const PackedObservations* each_rows : {&rows(), &rows_with_pictures()})
         for (const Lobes& lobes : {some_lobes(), extended, general_lobes(), reciprocal(extended)}) {
             LobeProblem problem(*each_rows, lobes.shape, false);
             Eigen::VectorXd x = pack(lobes);

@@ -206,18 +206,18 @@ TEST_F(MapCode, BytesHardlyAddToTheErrorOfData) {
     std::normal_distribution<float> noise(0, 0.02f);
     for (Rgb& beta : map.coefficient)
         for (int c = 0; c < 3; ++c) beta[c] = float(std::pow(10, -2 * uniform(random)));
-    TexelMap of_bytes = map;
+    TexelMap byte_map = map;
     const std::vector<Rgb> scales = layer_scales(map);
     const auto texture = texture_of<std::uint8_t>(map_ktx2(map, LayerNumbers::bytes));
     for (std::size_t i = 0; i < map.coefficient.size(); ++i)
         for (int c = 0; c < 3; ++c) {
             const std::uint8_t byte = texture.levels[0][4 * (i % J * map.count() + i / J) + std::size_t(c)];
-            of_bytes.coefficient[i][c] = scales[i % J][c] * float(srgb_decoded(byte / 255.0));
+            byte_map.coefficient[i][c] = scales[i % J][c] * float(srgb_decoded(byte / 255.0));
         }
     double half_error = 0, both_errors = 0;
     for (std::size_t t = 0; t < map.count(); ++t)
         for (const Pair& at : pairs(64)) {
-            const Rgb f = value(texel(map, t), at.wl, at.wv), g = value(texel(of_bytes, t), at.wl, at.wv);
+            const Rgb f = value(texel(map, t), at.wl, at.wv), g = value(texel(byte_map, t), at.wl, at.wv);
             for (int c = 0; c < 3; ++c) {
                 const float measured = std::cbrt(f[c] * (1 + noise(random)));
                 half_error += elementary::square(std::cbrt(f[c]) - measured);
@@ -357,7 +357,7 @@ TEST_F(MapCode, RefusesOtherModels) {
     TexelMap map = map_of(true);
     EXPECT_TRUE(check_layers(map, "a"));
     expect_refused(map_code(map, "map", {.sampling = true}));
-    map.basis.lobes = k_most_layers + 1;
+    map.basis.lobes = k_max_layers + 1;
     expect_refused(check_layers(map, "a"));
     map = map_of(true, k_longest_side + 1, 1);
     expect_refused(check_layers(map, "a"));

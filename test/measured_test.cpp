@@ -49,8 +49,8 @@ bool read_all(std::span<const std::byte> bytes, std::mt19937_64& random) {
     expect_contract_or_error(read_rgl(copy, "test\n.file"), random);
     expect_contract_or_error(read_mbsdf(copy, "test\n.file"), random);
     for (const auto reader : {read_cornell, read_astm, read_alta})
-        expect_contract_or_error(indexed(reader(copy, "test\n.file")), random);
-    expect_contract_or_error(indexed(read_csv(copy, "test\n.file", {})), random);
+        expect_contract_or_error(build_index(reader(copy, "test\n.file")), random);
+    expect_contract_or_error(build_index(read_csv(copy, "test\n.file", {})), random);
     return measured.ok();
 }
 

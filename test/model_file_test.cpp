@@ -217,9 +217,9 @@ TEST(ModelFile, CountsBeyondTheLimitsAreErrors) {
         f.data.assign(c / 2, 0x3c00);
         return read_error(f.bytes());
     };
-    EXPECT_EQ(error_of_shape(k_most_lobes, k_most_variates), "");
-    EXPECT_TRUE(mentions(error_of_shape(k_most_lobes + 1, 1), "expected [J, N] up to [1024, 8], found [1025, 1]"));
-    EXPECT_TRUE(mentions(error_of_shape(1, k_most_variates + 1), "found [1, 9]"));
+    EXPECT_EQ(error_of_shape(k_max_lobes, k_max_variates), "");
+    EXPECT_TRUE(mentions(error_of_shape(k_max_lobes + 1, 1), "expected [J, N] up to [1024, 8], found [1025, 1]"));
+    EXPECT_TRUE(mentions(error_of_shape(1, k_max_variates + 1), "found [1, 9]"));
     EXPECT_NE(error_of_shape(0, 1), "");
     EXPECT_NE(error_of_shape(1, 0), "");
 }
@@ -339,8 +339,8 @@ TEST(ModelFile, InvalidWavelengthsAreErrors) {
          {"", " ", "550 450", "450 450", "450 x", "450,550", "nan 450", "99 450", "450 1e6", "-450 450"})
         EXPECT_TRUE(mentions(error_with_wavelengths(text, 2), "metadata 'wavelengths'")) << text;
     std::string many;
-    for (std::size_t i = 0; i <= k_most_wavelengths; ++i) many += std::to_string(400 + i) + " ";
-    EXPECT_TRUE(mentions(error_with_wavelengths(many.c_str(), k_most_wavelengths + 1), "1 to 4096 increasing ones"));
+    for (std::size_t i = 0; i <= k_max_wavelengths; ++i) many += std::to_string(400 + i) + " ";
+    EXPECT_TRUE(mentions(error_with_wavelengths(many.c_str(), k_max_wavelengths + 1), "1 to 4096 increasing ones"));
 }
 
 // ---- View by view ----

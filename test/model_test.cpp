@@ -29,7 +29,7 @@ TEST(Model, WrittenModelsAreReadBack) {
         const RandomModelOptions options{.axial = trial % 2 == 0,
                                          .log_scale = trial % 4 < 2,
                                          .lobes = 1 + int(random() % 12),
-                                         .variates = 1 + int(random() % k_most_variates),
+                                         .variates = 1 + int(random() % k_max_variates),
                                          .form = k_forms[std::size_t(trial) % k_forms.size()]};
         const Model model{rounded(random_model(random, options)), {{"source", "a.bsdf"}, {"", "empty key"}}};
         const Bytes bytes = write_model(model);

@@ -74,9 +74,9 @@ TEST(Observations, AreDenseWhereTheEnergyIs) {
 
     // A beginning is scaled like the whole.
     const Observations few = first_pairs(*o, 4096);
-    double of_few = 0;
-    for (std::size_t i = 0; i < 4096; ++i) of_few += few.weight[i] * 3 * double(few.f[i].r) * double(few.f[i].r);
-    EXPECT_WITHIN(of_few, 1, 1e-6);
+    double few_energy = 0;
+    for (std::size_t i = 0; i < 4096; ++i) few_energy += few.weight[i] * 3 * double(few.f[i].r) * double(few.f[i].r);
+    EXPECT_WITHIN(few_energy, 1, 1e-6);
 }
 
 TEST(Observations, CosineObjectiveKeepsDarkValuesUnderAHighlight) {
@@ -161,8 +161,8 @@ TEST(Observations, ViewsOfPicturesAreExposedAndWithinTheCap) {
                 EXPECT_EQ(masked, pixel.weight[i] == 0);
                 for (int c = 0; c < 3; ++c) colour[c] += pixel.weight[i] * view.f[pixel.first + i][c];
             }
-            if (const double most = std::max({colour.r, colour.g, colour.b}); most > 0)
-                largest[pixel.lighting].push_back(most);
+            if (const double max = std::max({colour.r, colour.g, colour.b}); max > 0)
+                largest[pixel.lighting].push_back(max);
         }
     }
     EXPECT_TRUE(any_masked);

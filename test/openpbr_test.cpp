@@ -19,7 +19,7 @@ OpenPbrModel random_openpbr(std::mt19937_64& random) {
     for (const OpenPbrParameter& parameter : k_openpbr_parameters)
         for (int c = 0; c < parameter.count(); ++c)
             number(model, parameter, c) =
-                float(double(parameter.least) + uniform(random) * double(parameter.most - parameter.least));
+                float(double(parameter.min) + uniform(random) * double(parameter.max - parameter.min));
     return model;
 }
 OpenPbrModel diffuse_alone(Rgb colour, float roughness) {

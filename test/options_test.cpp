@@ -115,7 +115,7 @@ class Options : public CommandLine {
     void write_inputs() {
         write_text(folder / "table.binary", small_merl());
         std::mt19937_64 random(1);
-        ASSERT_TRUE(save_model({random_model(random, {.lobes = 1, .variates = 1, .most_bandwidth = 20}), {}},
+        ASSERT_TRUE(save_model({random_model(random, {.lobes = 1, .variates = 1, .max_bandwidth = 20}), {}},
                                folder / "model.srbf")
                         .ok());
         ASSERT_TRUE(save_model({OpenPbrModel{}, {}}, folder / "openpbr.srbf").ok());

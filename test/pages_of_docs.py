@@ -1,4 +1,4 @@
-"""Links of the documentation resolve, and the files that it names exist: python3 test/pages_of_docs.py FOLDER. Its terms: terms.py."""
+"""Links of the documentation resolve, and the files that it names exist: python3 test/pages_of_docs.py FOLDER. Its words: words.py."""
 import os
 import re
 import sys

@@ -35,7 +35,7 @@ TEST(Peak, IsAtTheHighlight) {
     EXPECT_EQ(place([](const Vec3d&, const Vec3d&) { return std::nan(""); }), PeakPosition::unknown);
     EXPECT_WITHIN_RELATIVE(peak_of(to_evaluate(lobe(1e4, 0.9, mirror_direction))).ratio, 10, 0.5);
     EXPECT_EQ(peak_of(to_evaluate([](const Vec3d& wl, const Vec3d& wv) { return dot(mirror(wl), wv) > 0.999; })).ratio,
-              k_most_peak);
+              k_max_peak);
 }
 
 /// Samples in all directions, with noise, and of a scan in the plane of incidence, from one side to the other.
@@ -85,7 +85,7 @@ TEST(Peak, TablesKeepTheHighlight) {
 
 TEST(Peak, TextAsksAboutTheAzimuths) {
     EXPECT_EQ(peak_text({PeakPosition::mirror, 14}), "highlight at the mirror direction, 14 times f elsewhere");
-    EXPECT_EQ(peak_text({PeakPosition::mirror, k_most_peak}, true),
+    EXPECT_EQ(peak_text({PeakPosition::mirror, k_max_peak}, true),
               "highlight straight through, over 1000 times f elsewhere");
     EXPECT_CONTAINS(peak_text({PeakPosition::retro, 3}),
                     "retro direction, 3 times f elsewhere: are the azimuths exchanged?");

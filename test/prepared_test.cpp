@@ -213,7 +213,7 @@ TEST_P(PreparedOn, ResultsDoNotDependOnTheProcessorMode) {
                     list.push_back(prepare({model, {}}, {.azimuths = axial ? 1 : 4}));
                 }
         list.push_back(prepare(Model{random_su(random, 64, 5), {}}));
-        list.push_back(prepare(Model{GgxModel{{0.1f, 0.2f, 0.3f}, {{k_least_roughness, {1, 0.9f, 0.8f}, 1}}}, {}}));
+        list.push_back(prepare(Model{GgxModel{{0.1f, 0.2f, 0.3f}, {{k_min_roughness, {1, 0.9f, 0.8f}, 1}}}, {}}));
         return list;
     }();
     std::vector<Pair> pairs = random_pairs(random_, 2000);
@@ -436,8 +436,8 @@ std::array<double, MixtureProposal::k_lobes + k_shape_numbers> numbers_at(const 
     const int lower = std::min(int(position), MixtureProposal::k_nodes - 2);
     std::array<double, MixtureProposal::k_lobes + k_shape_numbers> numbers;
     for (std::size_t k = 0; k < numbers.size(); ++k)
-        numbers[k] = (1 - position + lower) * double(numbers_of(proposal, std::size_t(lower), false)[k]) +
-                     (position - lower) * double(numbers_of(proposal, std::size_t(lower + 1), false)[k]);
+        numbers[k] = (1 - position + lower) * double(node_numbers(proposal, std::size_t(lower), false)[k]) +
+                     (position - lower) * double(node_numbers(proposal, std::size_t(lower + 1), false)[k]);
     return numbers;
 }
 

@@ -447,7 +447,7 @@ TEST_F(Sampling, WeightsSumToOneAndTheCosineKeepsItsMinimum) {
             for (const float w : weight) sum += w;
             EXPECT_WITHIN(double(sum), 1, 1e-5);
             EXPECT_GE(*std::min_element(weight.begin(), weight.end()), 0);
-            EXPECT_GE(weight[0], 0.9f * k_least_cosine);
+            EXPECT_GE(weight[0], 0.9f * k_min_cosine);
         }
 }
 
@@ -500,7 +500,7 @@ TEST_F(Sampling, TheMirrorDirectionHasADensity) {
 TEST_F(Sampling, ExtremeModelsCanBeSampled) {
     for (int i = 0; i < 8; ++i) {
         const PmModel model = random_model(
-            random, {.axial = i % 2 == 0, .log_scale = true, .most_bandwidth = 65504, .form = PmForm::extended});
+            random, {.axial = i % 2 == 0, .log_scale = true, .max_bandwidth = 65504, .form = PmForm::extended});
         const MixtureProposal proposal = propose(evaluator(model), {.azimuths = i % 2 == 0 ? 1 : 4});
         for (int n = 0; n < 1000; ++n) {
             const Vec3f wv = to_float(random_direction(random, n % 5 == 0 ? 1e-5 : 0.02));

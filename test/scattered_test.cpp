@@ -20,7 +20,7 @@ Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::s
 }
 Result<ScatteredSamples> read(Result<ScatteredSamples> (*reader)(std::span<const std::byte>, const std::string&),
                               std::string_view text) {
-    return indexed(reader(as_bytes(text), "f"));
+    return build_index(reader(as_bytes(text), "f"));
 }
 void expect_error(Result<ScatteredSamples> (*reader)(std::span<const std::byte>, const std::string&),
                   std::string_view text, std::string_view part) {
@@ -611,7 +611,8 @@ Measured scan_at(int theta, std::string_view angles, std::string_view value = "B
 TEST(Joined, HasTheSamplesOfAllFilesAndTheAnglesOfTheirHeaders) {
     for (const char* angles :
          {"#intheta {}\n#inphi 30", "#incident_angle\t{}\t30", "# Incidence (deg) = {}\n# phi_i: 30°"}) {
-        const auto all = checked(joined(std::array{scan_at(10, angles), scan_at(30, angles), scan_at(50, angles)}));
+        const auto all =
+            checked(join_measurements(std::array{scan_at(10, angles), scan_at(30, angles), scan_at(50, angles)}));
         EXPECT_EQ(all->source, "10.txt, 30.txt, 50.txt");
         const auto& s = std::get<ScatteredSamples>(all->table);
         EXPECT_CONTAINS(s.notes[0],
@@ -634,7 +635,7 @@ TEST(Joined, RefusesFilesOfDifferentSamples) {
     for (const Measured& other : {scan_at(30, "#intheta {}", "BTDF"), scan_at(30, "#intheta {}", "DSF"),
                                   scan_at(30, "#intheta {}", "BRF(%)"), scan_at(30, "#intheta {}", "532nm"), table})
         for (const auto& files : {std::array{first, other}, std::array{other, first}}) {
-            const std::string said = message(joined(files).error());
+            const std::string said = message(join_measurements(files).error());
             EXPECT_CONTAINS(said, "one sample: expected ");
             EXPECT_CONTAINS(said, "10.txt");
             EXPECT_CONTAINS(said, other.source.substr(2));

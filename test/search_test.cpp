@@ -21,8 +21,8 @@ PmModel tilted() {
     return model;
 }
 
-const Rows& rows() {
-    static const Rows all(*observe(evaluator(tilted()), {Objective::raw, 0, 4096, 7}));
+const PackedObservations& rows() {
+    static const PackedObservations all(*observe(evaluator(tilted()), {Objective::raw, 0, 4096, 7}));
     return all;
 }
 

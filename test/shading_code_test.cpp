@@ -604,7 +604,7 @@ TEST(ShadingCodeText, RejectsUnsupportedModels) {
     const Model bsdf{lobe_bsdf_with_beams(), {}};
     for (const CodeModule& module : code_modules()) {
         expect_error(module.text(named, "su", 0));
-        if (module.of_parts) expect_error(module.text(std::vector<NamedModel>{{"bsdf", &bsdf}}, "bsdf", 0));
+        if (module.by_part) expect_error(module.text(std::vector<NamedModel>{{"bsdf", &bsdf}}, "bsdf", 0));
     }
     std::get<SuModel>(model.model).interpolation = SuInterpolation::plain;
     expect_error(shading_code(named, "su", {}));

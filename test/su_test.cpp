@@ -136,7 +136,7 @@ TEST(Su, PlainWeightsArePositiveAndSumToOne) {
     // With constant lobes, the value is the weighted mean of the neighbours' coefficients.
     for (float& lambda : model.bandwidth) lambda = 0;
     model.interpolation = SuInterpolation::plain;
-    for (model.neighbours = 1; model.neighbours <= k_most_neighbours; ++model.neighbours)
+    for (model.neighbours = 1; model.neighbours <= k_max_neighbours; ++model.neighbours)
         for (int i = 0; i < 300; ++i) {
             const Vec3f wv = to_float(random_direction(random, 0.01));
             const NearestViews nearest = nearest_views(model, wv);

@@ -182,7 +182,7 @@ TEST(Variate, DualNumbersDifferentiateTheModel) {
     for (int trial = 0; trial < 200; ++trial) {
         const PmModel model = random_model(
             random,
-            {.axial = trial % 2 == 0, .most_bandwidth = 30, .form = k_forms[std::size_t(trial) % k_forms.size()]});
+            {.axial = trial % 2 == 0, .max_bandwidth = 30, .form = k_forms[std::size_t(trial) % k_forms.size()]});
         const Vec3d wl = random_direction(random), wv = random_direction(random), tangent = random_direction(random);
         const Vec3<Dual> dual_wl(Dual(wl.x, tangent.x), Dual(wl.y, tangent.y), Dual(wl.z, tangent.z));
         const Vec3<Dual> f = Kernel<Dual>::pm_value(model, dual_wl, constant(wv));
@@ -256,12 +256,12 @@ TEST(Variate, ExtremeStoredNumbersStayFinite) {
                                              {0x1p-24f, 0x1p-24f},
                                              {-0x1p-24f, 0x1p-24f}}) {
                 PmModel model;
-                model.lobes = k_most_lobes, model.variates = k_most_variates;
-                model.coefficient.assign(k_most_lobes, {k_half_max, k_half_max, k_half_max});
-                model.log_scale.assign(k_most_lobes, scale);
-                model.centre.assign(k_most_lobes * k_most_variates, {0, 0, -1});
-                model.bandwidth.assign(k_most_lobes * k_most_variates, bandwidth);
-                model.parameterization.assign(k_most_variates, p);
+                model.lobes = k_max_lobes, model.variates = k_max_variates;
+                model.coefficient.assign(k_max_lobes, {k_half_max, k_half_max, k_half_max});
+                model.log_scale.assign(k_max_lobes, scale);
+                model.centre.assign(k_max_lobes * k_max_variates, {0, 0, -1});
+                model.bandwidth.assign(k_max_lobes * k_max_variates, bandwidth);
+                model.parameterization.assign(k_max_variates, p);
                 const Vec3f up(0, 0, 1), w = to_float(random_direction(random, 0)),
                                          low = to_float(spherical(1.57, 1.0));
                 for (const auto& [wl, wv] : {std::pair(up, up), {up, w}, {w, w}, {w, mirror(w)}, {low, mirror(low)}}) {

@@ -28,7 +28,7 @@ ViewRows rows(bool with_lights) {
             rows.lights[k][i] = w.z * (k == 0 ? 1.f : elementary::exp(3 * (w.x - 1))) / (100 * root);
     }
     rows.largest.fill(100);
-    rows.least_cosine = 0.04;
+    rows.min_cosine = 0.04;
     return rows;
 }
 

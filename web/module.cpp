@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "any/table_file.h"
+#include "api/table_file.h"
 #include "app/output.h"
 #include "base/files.h"
 #include "base/text.h"
@@ -129,7 +129,7 @@ void add_appearance(Json& json, const char* name, const Appearance& appearance) 
     json[name] = {{"deltaE", appearance.mean.delta_e},
                   {"worst", appearance.worst_delta_e},
                   {"flip", appearance.mean.flip},
-                  {"verdict", words(verdict(appearance.mean))},
+                  {"verdict", srbf::name(verdict(appearance.mean))},
                   {"level", int(verdict(appearance.mean))}};
 }
 
@@ -151,13 +151,13 @@ Result<ReportedFit> fit_and_report(int number, const Measured& measured, const F
         return ReportedFit{std::move(sides->model), std::move(report)};
     }
     Fitter& fitter = fitter_of(number, measured);
-    auto outcome = fitter.fit(request, progress.part(0, k_fit_fraction));
+    auto outcome = fitter.fit(request, progress.subrange(0, k_fit_fraction));
     if (!outcome) return outcome.error();
-    if (const auto done = fitter.measure(*outcome, request, progress.part(k_fit_fraction, 1)); !done)
+    if (const auto done = fitter.measure(*outcome, request, progress.subrange(k_fit_fraction, 1)); !done)
         return done.error();
     Json report = summary_of(measured, outcome->model);
     report["twoSided"] = false, report["seconds"] = outcome->fit_seconds;
-    add_appearance(report, "seen", judged(*outcome->errors));
+    add_appearance(report, "seen", headline_errors(*outcome->errors));
     report["heldout"] = outcome->errors->heldout.*measure_of(request.objective);
     report["headline"] = headline(*outcome->errors);
     if (outcome->noise && outcome->against_smoothed) add_appearance(report, "smoothed", *outcome->against_smoothed);
@@ -255,7 +255,7 @@ SRBF_EXPORT(highlight) int highlight(int number) {
     const Model* model = model_of(subject_of(number));
     const auto* pm = model ? std::get_if<PmModel>(&model->model) : nullptr;
     if (!pm || !pm->wavelength.empty()) return set_json(Json());
-    const double roughness = roughness_of(evaluator(separated(*pm).highlight));
+    const double roughness = roughness_of(evaluator(separate_highlight(*pm).highlight));
     return set_json(Json{{"shares", body_shares(*pm)}, {"roughness", roughness > 0 ? roughness : 1}});
 }
 
@@ -289,7 +289,7 @@ SRBF_EXPORT(edit) int edit(int number, const char* text, std::size_t size) {
     if (tint) edits.emplace_back(*tint);
     if (saturate != 1) edits.emplace_back(Saturate{saturate});
     if (hue != 0) edits.emplace_back(TurnHue{hue});
-    auto result = edited(*model, edits, {.progress = host_progress()});
+    auto result = edit_model(*model, edits, {.progress = host_progress()});
     if (!result) return fail(result.error());
     const std::string path = stem_of(subject->path) + "_edited.srbf";
     auto stored = reread(*result, path);
@@ -388,7 +388,7 @@ SRBF_EXPORT(viewer_material) int set_viewer_material(int number) {
         if (!is_isotropic(*measured)) return set_json(Json());
         const bool two_sided = std::holds_alternative<BsdfTable>(measured->table);
         auto material = two_sided ? material_of(subject->content, subject->path)
-                                  : Result<Material>(table_of(evaluator(*subject), k_page_table));
+                                  : Result<Material>(tabulate_merl(evaluator(*subject), k_page_table));
         if (!material) return fail(material.error());
         page_material.material = *std::move(material);
     }

@@ -9,8 +9,8 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-constexpr double k_least_cosine = 1e-3;  ///< the N'·wv at which a term ends
-constexpr double k_most_exponent = 60;   ///< D is 0 if its exponent is larger
+constexpr double k_min_cosine = 1e-3;  ///< the N'·wv at which a term ends
+constexpr double k_max_exponent = 60;  ///< D is 0 if its exponent is larger
 
 /// Smith's Λ of Beckmann's distribution for a direction w, by x = (α tan θ)², and its derivatives by the angle of N'
 /// and the squares of α along and across.
@@ -49,21 +49,24 @@ ClosureTerm::ClosureTerm(const ClosureShape& shape, Vec3d wv) : wv_(wv) {
 double ClosureTerm::value(const ClosureLight& light, ClosureShape* derivatives) const {
     if (derivatives) *derivatives = {};
     const double nv = dot(normal_, wv_), nl = dot(normal_, light.wl);
-    if (nv <= k_least_cosine || nl <= 0) return 0;
+    if (nv <= k_min_cosine || nl <= 0) return 0;
     const double nh = dot(normal_, light.h), tan = dot(tangent_, light.h) / nh, side = light.h.y / nh,
                  ax = along_ + light.added, ay = across_ + light.added;
     const double exponent = tan * tan / ax + side * side / ay;
-    if (exponent > k_most_exponent) return 0;
+    if (exponent > k_max_exponent) return 0;
     const double D = elementary::exp(-exponent) / (k_pi * std::sqrt(ax * ay) * nh * nh * nh * nh),
                  tv = dot(tangent_, wv_);
-    const SmithLambda of_viewer(ax, ay, nv, tv, wv_.y), of_light(ax, ay, nl, dot(tangent_, light.wl), light.wl.y);
-    const double masking = 1 + of_viewer.value + of_light.value, value = D / (4 * nv * masking);
+    const SmithLambda viewer_lambda(ax, ay, nv, tv, wv_.y),
+        light_lambda(ax, ay, nl, dot(tangent_, light.wl), light.wl.y);
+    const double masking = 1 + viewer_lambda.value + light_lambda.value, value = D / (4 * nv * masking);
     if (derivatives) {
         // of the logarithm
         const double by_angle =
-            2 * tan * (1 / ax + exponent - 2) - tv / nv - (of_viewer.by_angle + of_light.by_angle) / masking;
-        const double by_along = (tan * tan / ax - 0.5) / ax - (of_viewer.by_along + of_light.by_along) / masking;
-        const double by_across = (side * side / ay - 0.5) / ay - (of_viewer.by_across + of_light.by_across) / masking;
+            2 * tan * (1 / ax + exponent - 2) - tv / nv - (viewer_lambda.by_angle + light_lambda.by_angle) / masking;
+        const double by_along =
+            (tan * tan / ax - 0.5) / ax - (viewer_lambda.by_along + light_lambda.by_along) / masking;
+        const double by_across =
+            (side * side / ay - 0.5) / ay - (viewer_lambda.by_across + light_lambda.by_across) / masking;
         *derivatives = {value * chain_[0] * by_angle, value * chain_[1] * (along_ * by_along + across_ * by_across),
                         value * chain_[2] * (across_ * by_across - along_ * by_along)};
     }

@@ -37,12 +37,12 @@ struct ClosureFitOptions {
     int knots = 24;
     int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
 };
-inline constexpr int k_most_closures = 8, k_ramp_of_osl = 7;
+inline constexpr int k_max_closures = 8, k_ramp_of_osl = 7;
 
 /// Fits a sum of closures to an isotropic BRDF. It minimises ΔE_ITP of pictures of a sphere under directional and
 /// extended lights. No albedo is above 1: where the albedo of `f` is, `f` is divided by it. NaN counts as not measured.
 /// Each view has one azimuth if the BRDF is not isotropic. Returns an error if `terms` is not from 1 to
-/// `k_most_closures`, `ramp` not from 1 to 7, `knots` less than four or no value above 0, and if it is cancelled.
+/// `k_max_closures`, `ramp` not from 1 to 7, `knots` less than four or no value above 0, and if it is cancelled.
 Result<ClosureSum> fit_closures(const Evaluate& f, const ClosureFitOptions& options = {},
                                 const ProgressToken& progress = {});
 

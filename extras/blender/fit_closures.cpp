@@ -17,8 +17,8 @@ namespace {
 
 // ---- The loss ----
 
-constexpr double k_least_alpha = 0.01, k_most_tilt = 1.5, k_beside_horizon = 0.01;  ///< [rad]
-constexpr double k_least_weight = 1e-9;
+constexpr double k_min_alpha = 0.01, k_max_tilt = 1.5, k_beside_horizon = 0.01;  ///< [rad]
+constexpr double k_min_weight = 1e-9;
 constexpr const char* k_closure_stage = "fitting closures";
 
 /// The unknowns at a knot: for each term the tilt ν of its normal, the logarithms of α along and across, and those of
@@ -90,10 +90,10 @@ class ClosureProblem {
     }
 
     Eigen::VectorXd lower(const Eigen::VectorXd& x) const {
-        return bounds(x, -k_most_tilt, elementary::log(k_least_alpha), elementary::log(1e-12));
+        return bounds(x, -k_max_tilt, elementary::log(k_min_alpha), elementary::log(1e-12));
     }
     Eigen::VectorXd upper(const Eigen::VectorXd& x) const {
-        Eigen::VectorXd upper = bounds(x, k_most_tilt, 0, elementary::log(100.0));
+        Eigen::VectorXd upper = bounds(x, k_max_tilt, 0, elementary::log(100.0));
         for (std::size_t i = 0; i < layout_.knots; ++i)
             for (std::size_t k = 0; k < layout_.terms; ++k) {
                 double& tilt = upper[Eigen::Index(i * layout_.width() + 6 * k)];
@@ -379,15 +379,15 @@ Eigen::VectorXd extended(const std::vector<MatchedView>& views, Layout before, c
         return interpolated(views, theta, [&](std::size_t v) { return weights[v](row, Eigen::Index(c)); });
     };
     Eigen::VectorXd largest = Eigen::VectorXd::Zero(Eigen::Index(after.parts()));
-    for (const Eigen::MatrixXd& of_view : weights) largest = largest.cwiseMax(of_view.rowwise().maxCoeff());
-    constexpr double k_least_share = 0.02;  // weights stay above this share, so that they can grow again
+    for (const Eigen::MatrixXd& view_weights : weights) largest = largest.cwiseMax(view_weights.rowwise().maxCoeff());
+    constexpr double k_min_share = 0.02;  // weights stay above this share, so that they can grow again
     for (std::size_t i = 0; i < after.knots; ++i) {
         const double theta = after.theta(i);
         double* const to = longer.data() + i * after.width();
         const double* const from = x.data() + i * before.width();
         std::copy(from, from + 6 * before.terms, to);
         to[6 * before.terms] = start.tilt_at(theta);
-        to[6 * before.terms + 1] = elementary::log(std::max(start.along(theta), k_least_alpha));
+        to[6 * before.terms + 1] = elementary::log(std::max(start.along(theta), k_min_alpha));
         to[6 * before.terms + 2] = elementary::log(start.alpha);
         for (std::size_t part = 0; part < after.parts(); ++part) {
             const auto row = Eigen::Index(part < before.terms    ? part
@@ -395,7 +395,7 @@ Eigen::VectorXd extended(const std::vector<MatchedView>& views, Layout before, c
                                                                  : part - 1);
             for (std::size_t c = 0; c < 3; ++c)
                 to[after.weight(part) + c] =
-                    elementary::log(std::max(weight_at(theta, row, c), k_least_share * largest[row] + k_least_weight));
+                    elementary::log(std::max(weight_at(theta, row, c), k_min_share * largest[row] + k_min_weight));
         }
     }
     return longer;
@@ -441,7 +441,7 @@ constexpr int k_albedo_points_of_closures = 1024;
 void limit_albedos(ClosureSum& sum, int threads) {
     constexpr std::size_t k_between = 4;
     constexpr double k_last_angle = 89.8 * k_degree, k_within = 1e-3;
-    constexpr int k_most_sweeps = 1000;
+    constexpr int k_max_sweeps = 1000;
     const std::size_t count = (sum.knots() - 1) * k_between;
     std::array<ClosureSum, 2> parts{sum, sum};  // the knots with even indices, and those with odd ones
     for (std::size_t knot = 0; knot < sum.knots(); ++knot) {
@@ -465,7 +465,7 @@ void limit_albedos(ClosureSum& sum, int threads) {
     for (int c = 0; c < 3; ++c) {
         std::vector<double> scale(sum.knots(), 1);
         bool exceeded = true;
-        for (int sweep = 0; exceeded && sweep < k_most_sweeps; ++sweep) {
+        for (int sweep = 0; exceeded && sweep < k_max_sweeps; ++sweep) {
             exceeded = false;
             for (std::size_t i = count; i-- > 0;) {  // the last ones exceed 1 by most
                 const std::size_t knot = KnotPosition(theta(i), sum.knots()).knot;
@@ -490,7 +490,7 @@ void limit_albedos(ClosureSum& sum, int threads) {
 
 Result<ClosureSum> fit_closures(const Evaluate& f, const ClosureFitOptions& options, const ProgressToken& progress) {
     const StandardArithmetic mode;
-    if (const auto valid = require_range("fit", "terms", options.terms, 1, k_most_closures); !valid)
+    if (const auto valid = require_range("fit", "terms", options.terms, 1, k_max_closures); !valid)
         return valid.error();
     if (const auto valid = require_range("fit", "ramp", options.ramp, 1, k_ramp_of_osl); !valid) return valid.error();
     if (const auto valid = require_range("fit", "knots", options.knots, 4, 256); !valid) return valid.error();
@@ -509,11 +509,11 @@ Result<ClosureSum> fit_closures(const Evaluate& f, const ClosureFitOptions& opti
     std::vector<double> times{0};
     for (int k = 0; k < options.terms; ++k) times.push_back(times.back() + (k + 1) * steps_of(k));
     Eigen::VectorXd x = Eigen::VectorXd::Zero(Eigen::Index(layout.knots * layout.width()));
-    double least = std::numeric_limits<double>::infinity();
+    double min = std::numeric_limits<double>::infinity();
     ClosureSum best;
     for (int k = 0; k < options.terms; ++k) {
         const auto index = std::size_t(k);
-        const ProgressToken stage = progress.part(times[index] / times.back(), times[index + 1] / times.back());
+        const ProgressToken stage = progress.subrange(times[index] / times.back(), times[index + 1] / times.back());
         if (!stage.report(k_closure_stage, 0)) return cancelled_error("fit");
         x = with_term(views, layout, x, options.threads);
         ++layout.terms;
@@ -524,7 +524,7 @@ Result<ClosureSum> fit_closures(const Evaluate& f, const ClosureFitOptions& opti
         problem.set_linear_from(1);
         const double loss =
             levenberg_marquardt(problem, x, {.max_iterations = steps, .decrease_tolerance = k_tolerance}).loss;
-        if (loss < least) least = loss, best = problem.sum(x);  // a further term can raise the loss
+        if (loss < min) min = loss, best = problem.sum(x);  // a further term can raise the loss
     }
     limit_albedos(best, options.threads);
     return best;

@@ -23,7 +23,7 @@ constexpr double k_grazing_weight = 0.06;  ///< a term of a view's weight, besid
 /// hemisphere, and 0 prefer highlights.
 constexpr double k_density_power = -0.6;
 /// Weights are divided by the sine of the phase, at least this, so that all phases of the light count.
-constexpr double k_least_sine = 0.1;
+constexpr double k_min_sine = 0.1;
 constexpr int k_azimuths = 6;  ///< around the viewer, of points of a sphere under each extended light
 /// Azimuth between neighbouring views [rad], so that a BRDF that is not isotropic is seen from all around.
 constexpr double k_turn_of_views = 2.4;
@@ -119,7 +119,7 @@ void add_directional_pixels(std::vector<MatchedView>& views) {
         double sum = 0;
         for (std::size_t i = 0; i < view.lights.size(); ++i) {
             const double sine = std::sqrt(std::max(1 - elementary::square(dot(view.lights[i].wl, view.wv)), 0.0)),
-                         share = elementary::pow(view.pdf[i], k_density_power) / std::max(sine, k_least_sine);
+                         share = elementary::pow(view.pdf[i], k_density_power) / std::max(sine, k_min_sine);
             view.pixels.push_back({i, {exposures.at(view.lights[i].wl, view.wv)}, view.weight * share});
             sum += share;
         }

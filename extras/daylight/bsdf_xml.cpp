@@ -32,9 +32,9 @@ const std::vector<KnownBasis>& known_bases() {
 
 /// Limit on tags and attributes. The parser takes some hundred bytes for each, which may take only four bytes in
 /// the file.
-constexpr std::ptrdiff_t k_most_markup = 1 << 17;
+constexpr std::ptrdiff_t k_max_markup = 1 << 17;
 constexpr std::string_view k_visible = "Visible";
-constexpr std::size_t k_most_rings = 64, k_most_patches = 4096, k_most_blocks = 256;
+constexpr std::size_t k_max_rings = 64, k_max_patches = 4096, k_max_blocks = 256;
 
 /// `text` without surrounding white space.
 std::string_view stripped(std::string_view text) {
@@ -43,7 +43,7 @@ std::string_view stripped(std::string_view text) {
     return text;
 }
 
-/// A name as a single line of at most `most` bytes. The name is the same after it is written and read again.
+/// A name as a single line of at most `max_bytes` bytes. The name is the same after it is written and read again.
 std::string name_in(std::string_view text, std::size_t max_bytes = 100) {
     std::string name(stripped(text));
     std::ranges::replace_if(
@@ -78,8 +78,8 @@ Result<AngleBasis> read_basis(const Element& element) {
     AngleBasis basis;
     basis.name = name_in(element.child("AngleBasisName").text());
     for (const Element& block : element.children("AngleBasisBlock")) {
-        if (basis.rings.size() == k_most_rings)
-            return block.error("angle basis", fmt::format("at most {} rings", k_most_rings), "more");
+        if (basis.rings.size() == k_max_rings)
+            return block.error("angle basis", fmt::format("at most {} rings", k_max_rings), "more");
         const Element bounds = block.child("ThetaBounds");
         const auto theta = block.number("Theta"), lower = bounds.number("LowerTheta"),
                    upper = bounds.number("UpperTheta"), azimuths = block.number("nPhis");
@@ -90,8 +90,8 @@ Result<AngleBasis> read_basis(const Element& element) {
             return bounds.error("bounds of a ring",
                                 fmt::format("an interval that begins at {:g} and ends at 90 or less", expected_lower),
                                 fmt::format("{:g} to {:g}", *lower, *upper));
-        if (!(*azimuths >= 1 && *azimuths <= k_most_patches && *azimuths == std::floor(*azimuths)))
-            return block.error("nPhis", fmt::format("1 to {}", k_most_patches), fmt::format("{:g}", *azimuths));
+        if (!(*azimuths >= 1 && *azimuths <= k_max_patches && *azimuths == std::floor(*azimuths)))
+            return block.error("nPhis", fmt::format("1 to {}", k_max_patches), fmt::format("{:g}", *azimuths));
         basis.rings.push_back({float(std::clamp(*theta, 0.0, 90.0) * k_degree), float(expected_lower * k_degree),
                                float(std::min(*upper, 90.0) * k_degree), std::uint32_t(*azimuths)});
     }
@@ -99,8 +99,8 @@ Result<AngleBasis> read_basis(const Element& element) {
         return element.error(
             "angle basis", "rings to 90 degrees",
             basis.rings.empty() ? "none" : fmt::format("an end at {:g}", double(basis.rings.back().to) / k_degree));
-    if (basis.patches() > k_most_patches)
-        return element.error("angle basis", fmt::format("at most {} patches", k_most_patches),
+    if (basis.patches() > k_max_patches)
+        return element.error("angle basis", fmt::format("at most {} patches", k_max_patches),
                              fmt::format("{}", basis.patches()));
     return basis;
 }
@@ -161,7 +161,7 @@ Result<Definition> read_definition(const Element& element) {
     if (!definition.is_in_rows && !equal_ignoring_case(structure, "Columns"))
         return element.error("IncidentDataStructure", "Columns, Rows, TensorTree3 or TensorTree4", quoted(structure));
     for (const Element& basis_element : element.children("AngleBasis")) {
-        if (definition.bases.size() == k_most_blocks) return element.error("angle bases", "fewer", "more");
+        if (definition.bases.size() == k_max_blocks) return element.error("angle bases", "fewer", "more");
         auto basis = read_basis(basis_element);
         if (!basis) return basis.error();
         definition.bases.push_back(*std::move(basis));
@@ -207,8 +207,8 @@ Result<Done> parse(std::span<const std::byte> bytes, const std::string& file_nam
     if (const auto offset = as_text(bytes).find("<!DOCTYPE"); offset != std::string_view::npos)
         return Error{file_name, offset, "XML", "no document type, which can define entities", "one"};
     const auto markup = std::ranges::count_if(as_text(bytes), [](char c) { return c == '<' || c == '='; });
-    if (markup > k_most_markup)
-        return refused(fmt::format("at most {} tags and attributes", k_most_markup), fmt::format("{}", markup));
+    if (markup > k_max_markup)
+        return refused(fmt::format("at most {} tags and attributes", k_max_markup), fmt::format("{}", markup));
     const auto parsed = document.load_buffer(
         bytes.data(), bytes.size(), pugi::parse_minimal | pugi::parse_cdata | pugi::parse_escapes, pugi::encoding_utf8);
     if (parsed) return Done{};
@@ -260,8 +260,8 @@ Result<std::vector<NamedXmlBlocks>> read_bands(const Element& layer, const Defin
         std::string band = name_in(data.child("Wavelength").text());
         if (band.empty()) band = k_visible;
         for (const Element& block : data.children("WavelengthDataBlock")) {
-            if (++blocks > k_most_blocks)
-                return block.error("matrices", fmt::format("at most {}", k_most_blocks), "more");
+            if (++blocks > k_max_blocks)
+                return block.error("matrices", fmt::format("at most {}", k_max_blocks), "more");
             if (const auto read = read_block(block, definition, band, bands); !read) return read.error();
         }
     }
@@ -280,7 +280,7 @@ BsdfTable::Band band_of(std::string name, XmlBlocks&& blocks, const std::string&
         if (!blocks[p]) continue;
         const char* const format = std::holds_alternative<TreeTable>(*blocks[p]) ? "BSDF tree" : "BSDF XML";
         EvaluatedTable table =
-            std::visit([](auto& table_content) { return evaluated(std::move(table_content)); }, *blocks[p]);
+            std::visit([](auto& table_content) { return as_evaluated_table(std::move(table_content)); }, *blocks[p]);
         band.part[p] = std::make_shared<const Measured>(Measured{file_name, format, 0, std::move(table)});
         values[p] = evaluator(*band.part[p]);
     }
@@ -398,7 +398,7 @@ Result<BsdfTable> read_bsdf_xml(std::span<const std::byte> bytes, const std::str
         std::size_t tree_bytes = 0;
         for (const Element& data : layer.children("WavelengthData"))
             for (const Element& block : data.children("WavelengthDataBlock"))
-                tree_bytes += most_tree_bytes(block.node.child("ScatteringData").child_value());
+                tree_bytes += max_tree_bytes(block.node.child("ScatteringData").child_value());
         if (tree_bytes > 2 * bytes.size() + slack)
             return layer.error("tensor trees", fmt::format("at most {} bytes of nodes", 2 * bytes.size() + slack),
                                fmt::format("{}", tree_bytes));
@@ -421,7 +421,7 @@ Result<Measured> read_as_bsdf_xml(std::span<const std::byte> bytes, const std::s
     auto measured = measurement_of(read_bsdf_xml(bytes, file_name));
     if (!measured) return measured;
     const auto& parts = std::get<BsdfTable>(measured->table).band().part;
-    if (std::ranges::any_of(parts, [](const auto& part) { return part && own_table<TreeTable>(*part); }))
+    if (std::ranges::any_of(parts, [](const auto& part) { return part && table_as<TreeTable>(*part); }))
         measured->format = "BSDF tree";
     return measured;
 }

@@ -27,11 +27,11 @@ std::vector<TableLine> lines_about(const TreeTable& table) {
             {"value [1/sr]", range.text()}};
 }
 
-EvaluatedTable evaluated(KlemsTable matrix) {
+EvaluatedTable as_evaluated_table(KlemsTable matrix) {
     return evaluated_table(std::make_shared<const KlemsTable>(std::move(matrix)));
 }
 
-EvaluatedTable evaluated(TreeTable tree) {
+EvaluatedTable as_evaluated_table(TreeTable tree) {
     const auto table = std::make_shared<const TreeTable>(std::move(tree));
     TableFunctions functions;
     functions.separated_beam = [table] { return separated_beam(table); };

@@ -25,8 +25,8 @@ constexpr std::size_t k_fitted_points = 8;
 constexpr std::size_t k_hemisphere_points = 4;
 /// Rounds of expectation-maximisation. Each later round starts from the lobes and errors of the previous one.
 /// Rounds continue while the error falls by this fraction.
-constexpr int k_most_rounds = 3;
-constexpr double k_least_gain_of_round = 0.02;
+constexpr int k_max_rounds = 3;
+constexpr double k_min_gain_of_round = 0.02;
 /// Starts and perturbations are few, since most matrices are smooth and each fit is repeated.
 constexpr int k_starts = 8, k_perturbations = 12;
 /// Half of `k_good_share`, the required relative accuracy of the sums.
@@ -100,7 +100,7 @@ bool is_good(const Hemispherical& sum) {
 }
 
 /// The width of the narrowest ring [rad]. For the cap at the normal, the width is its diameter.
-double least_width(const AngleBasis& basis) {
+double min_width(const AngleBasis& basis) {
     double smallest = k_pi / 2;
     for (const AngleBasis::Ring& ring : basis.rings)
         smallest = std::min(smallest, double(ring.from > 0 ? ring.to - ring.from : 2 * ring.to));
@@ -124,9 +124,9 @@ class PatchFits {
         options.lobes = size.lobes, options.variates = size.variates;
         std::vector<Rgb> values = means_;
         std::optional<PmModel> initial_lobes;
-        for (int round = 0; round < k_most_rounds; ++round) {
+        for (int round = 0; round < k_max_rounds; ++round) {
             auto fit = fit_pm(observations_of(values), options,
-                              progress.part(double(round) / k_most_rounds, (round + 1.0) / k_most_rounds),
+                              progress.subrange(double(round) / k_max_rounds, (round + 1.0) / k_max_rounds),
                               initial_lobes ? &*initial_lobes : nullptr);
             if (!fit) return fit.error();
             if (progress.cancelled()) return cancelled_error("fit");
@@ -136,7 +136,7 @@ class PatchFits {
             const Evaluate fitted = evaluator(outcome.model);
             const double error = measured_.error_ratio(fitted), previous_error = best_ ? error_ : 2 * error;
             if (error < previous_error) best_ = outcome, error_ = error;
-            if (initial_lobes && !(error < (1 - k_least_gain_of_round) * previous_error)) break;
+            if (initial_lobes && !(error < (1 - k_min_gain_of_round) * previous_error)) break;
             if (error < previous_error)
                 initial_lobes = std::move(lobes), values = expected_values(fitted);
             else
@@ -271,11 +271,11 @@ Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& reques
     std::vector<Size> sizes(std::begin(k_sizes), std::end(k_sizes));
     if (lobes_of(*pm)) sizes = {{options.lobes, options.variates}};
     // The mean over a patch cannot resolve lobes that are narrower than the patch.
-    options.finest = k_finest * least_width(table.outgoing);
+    options.finest = k_finest * min_width(table.outgoing);
     const double size_count = double(sizes.size());
     for (std::size_t i = 0; i < sizes.size(); ++i) {
         const auto done =
-            fits.fit_size(options, sizes[i], progress.part(double(i) / size_count, double(i + 1) / size_count));
+            fits.fit_size(options, sizes[i], progress.subrange(double(i) / size_count, double(i + 1) / size_count));
         if (!done) return done.error();
         if (fits.is_enough()) break;
         if (fits.error() > k_far * k_good_error && i + 2 < sizes.size())

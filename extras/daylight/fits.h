@@ -6,15 +6,15 @@
 namespace SRBF_NAMESPACE {
 
 inline constexpr PatchFit k_daylight_fits[] = {
-    {"patches", [](const Measured& part) { return own_table<KlemsTable>(part) != nullptr; },
+    {"patches", [](const Measured& part) { return table_as<KlemsTable>(part) != nullptr; },
      [](const Measured& part, const FitRequest& request, const ProgressToken& progress) {
-         return fit_patches(*own_table<KlemsTable>(part), request, progress);
+         return fit_patches(*table_as<KlemsTable>(part), request, progress);
      },
      [](const Measured& part, const Evaluate& f) {
-         return sums_of(*own_table<KlemsTable>(part), k_measured_points).error_ratio(f);
+         return sums_of(*table_as<KlemsTable>(part), k_measured_points).error_ratio(f);
      },
      [](const Measured& measured, const Evaluate& f, const Beams& beams, Part part) {
-         return hemispherical(*own_table<KlemsTable>(measured), f, beams, part);
+         return hemispherical(*table_as<KlemsTable>(measured), f, beams, part);
      }}};
 
 }  // namespace srbf

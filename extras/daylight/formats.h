@@ -1,6 +1,6 @@
 // The formats of daylighting simulation.
 #pragma once
-#include "measured/formats/rows.h"
+#include "measured/formats/format_rows.h"
 #include "srbf/daylight.h"
 
 namespace SRBF_NAMESPACE {

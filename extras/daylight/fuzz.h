@@ -20,7 +20,7 @@ inline void check_bsdf_xml(std::span<const std::byte> bytes) {
                 for (int c = 0; c < 3; ++c)
                     require(share_at(beam, wl)[c] >= 0 && share_at(beam, wl)[c] <= 1, "a share");
         const auto& parts = table->band().part;
-        if (std::ranges::none_of(parts, [](const auto& part) { return part && own_table<TreeTable>(*part); }))
+        if (std::ranges::none_of(parts, [](const auto& part) { return part && table_as<TreeTable>(*part); }))
             check_written_xml(*table);
     }
     check_measured(std::move(table));

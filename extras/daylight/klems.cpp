@@ -122,9 +122,9 @@ bool is_isotropic(const KlemsTable& table) {
 // ---- Beams ----
 
 bool is_peak_of_beam(double value, double around, double typical) {
-    constexpr double k_least_rise = 0.5, k_narrow = 10;
+    constexpr double k_min_rise = 0.5, k_narrow = 10;
     const double rise = value - around;
-    return rise > k_least_rise * std::max(around, 0.0) && rise > k_narrow * std::max(around - typical, 0.0);
+    return rise > k_min_rise * std::max(around, 0.0) && rise > k_narrow * std::max(around - typical, 0.0);
 }
 
 namespace {
@@ -230,7 +230,7 @@ Beam beam_of(const KlemsTable& table) {
         // In the frame of a part, a patch at the azimuth φ of the basis has its light at −φ.
         for (std::size_t k = 0; k < n; ++k) nodes[(n - k) % n] = table.beam[table.incident.first_of(ring) + k];
         const Rgb mean = mean_share(nodes);
-        if (n > k_most_beam_nodes ||
+        if (n > k_max_beam_nodes ||
             std::ranges::all_of(nodes, [&](const Rgb& node) { return are_same_share(node, mean); }))
             nodes = {mean};
         beam.theta.push_back(table.incident.rings[ring].theta);

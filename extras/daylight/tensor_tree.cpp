@@ -132,15 +132,15 @@ std::array<double, 4> tree_point(int rank, Vec3f wl, Vec3f wv) {
 
 }  // namespace
 
-std::size_t most_tree_bytes(std::string_view text) {
+std::size_t max_tree_bytes(std::string_view text) {
     const TreeCounts counts = counts_of(text);
     return counts.braces * sizeof(std::uint32_t) + counts.numbers * sizeof(float);
 }
 
 Result<TensorTree> read_tensor_tree(std::string_view text, int rank) {
     const TreeCounts counts = counts_of(text);
-    if (counts.numbers > TensorTree::k_most_leaves || counts.braces > TensorTree::k_most_leaves)
-        return Error{{}, {}, "tensor tree", fmt::format("at most {} leaves", TensorTree::k_most_leaves), "more"};
+    if (counts.numbers > TensorTree::k_max_leaves || counts.braces > TensorTree::k_max_leaves)
+        return Error{{}, {}, "tensor tree", fmt::format("at most {} leaves", TensorTree::k_max_leaves), "more"};
     TensorTree tree;
     tree.rank = rank;
     tree.nodes.reserve(counts.braces + (std::size_t(1) << rank));

@@ -93,7 +93,7 @@ AngleBasis basis_of(const TableOptions& options) {
 /// A part as a matrix in the chosen basis. A measured matrix in that basis is used unchanged.
 KlemsTable klems_of(const Measured* measured, const TableSource& source, Part part, const TableOptions& options) {
     const AngleBasis basis = basis_of(options);
-    const auto* matrix = measured ? own_table<KlemsTable>(*measured) : nullptr;
+    const auto* matrix = measured ? table_as<KlemsTable>(*measured) : nullptr;
     if (matrix && matrix->incident.name == basis.name && matrix->outgoing.name == basis.name) return *matrix;
     const auto values = [evaluate = part_of(non_negative(source.values), part), &options](auto wl, auto wv, auto f) {
         if (!options.progress.cancelled()) evaluate(wl, wv, f);
@@ -111,7 +111,10 @@ BsdfTable::Band patches_of(std::string name, const TableSource& source, const Ta
     for (std::size_t p = 0; p < k_parts; ++p)
         if (source.has[p])
             band.part[p] = std::make_shared<const Measured>(Measured{
-                {}, {}, 0, evaluated(klems_of(bsdf ? bsdf->band().part[p].get() : nullptr, source, Part(p), options))});
+                {},
+                {},
+                0,
+                as_evaluated_table(klems_of(bsdf ? bsdf->band().part[p].get() : nullptr, source, Part(p), options))});
     return band;
 }
 
@@ -165,7 +168,7 @@ std::string write_bsdf_xml(const BsdfTable& table) {
              {Part::transmission_front, Part::transmission_back, Part::reflection_front, Part::reflection_back}) {
             const auto& measured_part = band.part[std::size_t(part)];
             if (!measured_part) continue;
-            const KlemsTable& matrix = *own_table<KlemsTable>(*measured_part);
+            const KlemsTable& matrix = *table_as<KlemsTable>(*measured_part);
             for (const AngleBasis* basis : {&matrix.incident, &matrix.outgoing})
                 if (std::ranges::find(bases, basis->name, &AngleBasis::name) == bases.end()) bases.push_back(*basis);
             if (band.name == k_colours) {

@@ -39,14 +39,14 @@ Vec3f axis_of(const Lobe& lobe, const Vec3f& wv) {
 }
 
 ExtendedLight extended_light(const PreparedBrdf& brdf, const ExtendedLightOptions& options) {
-    assert(options.lobes >= k_least_extended_lobes && options.lobes <= k_most_extended_lobes);
+    assert(options.lobes >= k_min_extended_lobes && options.lobes <= k_max_extended_lobes);
     const BlurredKernels kernels(options.levels, options.threads);
     const AveragedBrdf averaged(brdf, options.isotropic);
     std::vector<LitView> views(ExtendedLight::k_views);
     parallel_for(views.size(), options.threads,
                  [&](std::size_t v) { views[v] = lit_view(averaged, fitted_cosine(v)); });
     const LobeTracks tracks(views, kernels, options.lobes, options.fixed, options.threads);
-    const MatrixXd shares = shares_of(views, kernels, tracks);
+    const MatrixXd fractions = fractions_of(views, kernels, tracks);
     ExtendedLight light{options.lobes, {}, {}, brdf};
     const int others = options.lobes - 1;
     for (std::size_t v = 0; v < views.size(); ++v) {
@@ -56,7 +56,7 @@ ExtendedLight extended_light(const PreparedBrdf& brdf, const ExtendedLightOption
         for (int k = 0; k < others; ++k) {
             Lobe& lobe = light.lobe.emplace_back(Lobe{float(tracks[v][2 * k]), float(tracks[v][2 * k + 1]), {}});
             for (int c = 0; c < 3; ++c) {
-                lobe.weight[c] = float(shares(Eigen::Index(v) * others + k, c));
+                lobe.weight[c] = float(fractions(Eigen::Index(v) * others + k, c));
                 light.lobe[first].weight[c] -= lobe.weight[c];
             }
         }

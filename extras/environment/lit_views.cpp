@@ -16,7 +16,7 @@ using Eigen::MatrixXd;
 constexpr int k_lights_per_size = 256;  ///< number of lights of a size for each view
 /// Errors are relative to the radiance, as visible errors are. The radiance includes a fraction of its luminance,
 /// so that a channel that reflects little is not fitted as closely as the others.
-constexpr double k_luminance_share = 0.3;
+constexpr double k_luminance_fraction = 0.3;
 /// More lights of the least size, side by side along the plane of incidence, in which all lobes lie. A lobe sharper
 /// than the BRDF would show a small lamp as a dot, which the other lights miss. These lights represent a band of
 /// this solid angle [sr]; with 1, errors of pictures of metals are a tenth larger.
@@ -51,7 +51,7 @@ std::vector<KernelLight> place_lights(const PreparedBrdf& brdf, const Vec3f& wv,
 }
 
 /// Samples of the reflected light as columns, for compilers that vectorise loops over them: directions, k_view_samples
-/// times the density, and half of its product with the share.
+/// times the density, and half of its product with the weight.
 struct ReflectedBlock {
     static constexpr std::size_t k_size = 8;
     std::array<double, k_size> x{}, y{}, z{}, densities{}, r{}, g{}, b{};
@@ -60,11 +60,11 @@ std::vector<ReflectedBlock> blocks_of(const std::vector<Reflected>& reflected) {
     constexpr std::size_t n = ReflectedBlock::k_size;
     std::vector<ReflectedBlock> blocks((reflected.size() + n - 1) / n);
     for (std::size_t i = 0; i < reflected.size(); ++i) {
-        const auto& [w, share, density] = reflected[i];
+        const auto& [w, weight, density] = reflected[i];
         auto& [x, y, z, densities, r, g, b] = blocks[i / n];
         const std::size_t j = i % n;
         densities[j] = k_view_samples * density;
-        const Vec3d part = 0.5 * densities[j] * share;
+        const Vec3d part = 0.5 * densities[j] * weight;
         x[j] = w.x, y[j] = w.y, z[j] = w.z, r[j] = part.x, g[j] = part.y, b[j] = part.z;
     }
     return blocks;
@@ -103,17 +103,17 @@ Vec3d radiance_under(const KernelLight& light, const AveragedBrdf& brdf, const V
 /// See ExtendedLight::width.
 float width_of(const Vec3d& albedo, const std::vector<Reflected>& reflected) {
     double largest = 1e-9;
-    for (const auto& [w, share, density] : reflected)
-        largest = std::max(largest, k_view_samples * density * (share.x + share.y + share.z));
+    for (const auto& [w, weight, density] : reflected)
+        largest = std::max(largest, k_view_samples * density * (weight.x + weight.y + weight.z));
     return float((albedo.x + albedo.y + albedo.z) / largest);
 }
 
 /// The weights of errors of R, G, B for this radiance.
 Vec3d error_weights(const Vec3d& radiance) {
     const double luminance_part =
-        k_luminance_share * double(luminance(Rgb{float(radiance.x), float(radiance.y), float(radiance.z)}));
+        k_luminance_fraction * double(luminance(Rgb{float(radiance.x), float(radiance.y), float(radiance.z)}));
     const auto weight = [&](double channel) {
-        return 1 / std::max((1 - k_luminance_share) * channel + luminance_part, 1e-9);
+        return 1 / std::max((1 - k_luminance_fraction) * channel + luminance_part, 1e-9);
     };
     return {weight(radiance.x), weight(radiance.y), weight(radiance.z)};
 }
@@ -124,7 +124,7 @@ void set_reflected(LitView& view, const Vec3d& total, const MatrixXd& radiances)
     view.weight.resize(radiances.rows(), 3);
     for (Eigen::Index i = 0; i < radiances.rows(); ++i) {
         const Vec3d sum{radiances(i, 0), radiances(i, 1), radiances(i, 2)};
-        const Vec3d weight = view.lights[std::size_t(i)].share * error_weights(sum + k_ambient * total);
+        const Vec3d weight = view.lights[std::size_t(i)].root_weight * error_weights(sum + k_ambient * total);
         view.weight.row(i) << weight.x, weight.y, weight.z;
     }
     view.radiance = view.weight.cwiseProduct(radiances);
@@ -158,8 +158,8 @@ LitView lit_view(const AveragedBrdf& brdf, double cosine) {
     const Vec3d wv{std::sqrt(1 - cosine * cosine), 0, cosine};
     const std::vector<Reflected> reflected = sample_reflected(brdf, to_float(wv));
     LitView view{wv, {}, 0, place_lights(brdf.brdf(), to_float(wv), reflected), {}, {}};
-    const Rgb of_all = albedo(brdf.brdf(), float(cosine));
-    const Vec3d total{of_all.r, of_all.g, of_all.b};
+    const Rgb whole_albedo = albedo(brdf.brdf(), float(cosine));
+    const Vec3d total{whole_albedo.r, whole_albedo.g, whole_albedo.b};
     view.width = width_of(total, reflected);
     set_reflected(view, total, radiances_of(view, brdf, reflected));
     return view;

@@ -16,7 +16,7 @@ inline constexpr double k_ambient = 0.1 / k_pi;
 struct KernelLight {
     std::size_t size;
     Vec3d centre;
-    double share;
+    double root_weight;
 };
 
 /// The radiance of a view under each light.
@@ -65,7 +65,7 @@ class AveragedBrdf {
 
 /// A sample of the light reflected to the view: direction w, sampled with that density, and its weight in the mean.
 struct Reflected {
-    Vec3d w, share;
+    Vec3d w, weight;
     double density;
 };
 std::vector<Reflected> sample_reflected(const AveragedBrdf& brdf, const Vec3f& wv);

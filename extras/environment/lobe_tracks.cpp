@@ -27,7 +27,7 @@ constexpr int k_view_sweeps = 2;
 /// They compare with squared relative errors of 0.02 to 0.2, for views `k_usual_step` [rad] apart. Nodes are denser
 /// at the horizon, where all lobes would change within one degree of the view, so that both weights are larger
 /// there.
-constexpr double k_smoothness = 3e-3, k_share_smoothness = 0.2, k_usual_step = 4 * k_pi / 180;
+constexpr double k_smoothness = 3e-3, k_fraction_smoothness = 0.2, k_usual_step = 4 * k_pi / 180;
 /// The inverse square of the angle between the views of a node and the next one, in units of `k_usual_step`; at
 /// least 1.
 double closeness(std::size_t node) {
@@ -35,9 +35,9 @@ double closeness(std::size_t node) {
     return std::clamp(elementary::square(k_usual_step / (angle(node) - angle(node + 1))), 1.0, 1e3);
 }
 /// Limits on |p|: it may exceed the mirror direction as off-specular peaks do. The limit is lower towards the
-/// horizon, where an axis with |p| > 1 would move by many degrees when the view moves by one: |p| ≤ `k_most_beyond`
+/// horizon, where an axis with |p| > 1 would move by many degrees when the view moves by one: |p| ≤ `k_max_beyond`
 /// / sinθv or 1.
-constexpr double k_most_axis = 1.3, k_most_beyond = 0.96;
+constexpr double k_max_axis = 1.3, k_max_beyond = 0.96;
 /// The factors by which roughnesses that all views share are changed, for as long as errors become smaller.
 constexpr std::array<double, 6> k_roughness_steps{1.4, 1.4, 1.2, 1.2, 1.1, 1.05};
 constexpr LevenbergMarquardtOptions k_steps{.max_iterations = 30, .decrease_tolerance = 1e-4};
@@ -64,8 +64,8 @@ class TrackProblem {
         const auto n = Eigen::Index(view_.lights.size());
         if (lobes_.empty()) {
             lobes_.resize(std::size_t(free_lobes_) + 1);
-            for (MatrixXd* of_lobes : {&lobe_radiance_, &by_axis_, &by_roughness_})
-                of_lobes->resize(n, free_lobes_ + 1);
+            for (MatrixXd* lobe_columns : {&lobe_radiance_, &by_axis_, &by_roughness_})
+                lobe_columns->resize(n, free_lobes_ + 1);
         }
         for (int k = 0; k <= free_lobes_; ++k) k == 0 ? set_lobe(0, 0, 1) : set_lobe(k, x[2 * k - 2], x[2 * k - 1]);
         double sum = smoothness_.dot((x - near_).cwiseAbs2());
@@ -91,7 +91,7 @@ class TrackProblem {
             g += J.transpose() * error;
         }
     }
-    VectorXd lower(const VectorXd& x) const { return repeat(x, -axis_limit(), ExtendedLight::k_least_roughness); }
+    VectorXd lower(const VectorXd& x) const { return repeat(x, -axis_limit(), ExtendedLight::k_min_roughness); }
     VectorXd upper(const VectorXd& x) const { return repeat(x, axis_limit(), 1); }
     VectorXd longest_step(const VectorXd& x) const { return repeat(x, 0.2, 0.2); }
 
@@ -144,7 +144,7 @@ class TrackProblem {
     double axis_limit() const {
         const double sine = std::max(view_.wv.x, 1e-3);
         // keeps the axis above the horizon
-        return std::min({k_most_axis, std::max(k_most_beyond / sine, 1.0), 0.999 / sine});
+        return std::min({k_max_axis, std::max(k_max_beyond / sine, 1.0), 0.999 / sine});
     }
     static VectorXd repeat(const VectorXd& x, double axis, double roughness) {
         VectorXd values(x.size());
@@ -196,16 +196,16 @@ void LobeTracks::search_roughnesses() {
         parallel_for(views_.size(), threads_, [&](std::size_t v) { losses[v] = problems[v].loss(x_[v]); });
         return std::accumulate(losses.begin(), losses.end(), 0.0);
     };
-    double least = loss();
+    double min = loss();
     for (const double step : k_roughness_steps)
         for (Eigen::Index i = 1; i < x_[0].size(); i += 2)
             for (const double factor : {step, 1 / step}) {
                 const double before = x_[0][i],
-                             r = std::clamp(factor * before, double(ExtendedLight::k_least_roughness), 1.0);
+                             r = std::clamp(factor * before, double(ExtendedLight::k_min_roughness), 1.0);
                 for (VectorXd& x : x_) x[i] = r;
                 const double found = loss();
-                least = std::min(least, found);
-                for (VectorXd& x : x_) x[i] = found > least ? before : r;
+                min = std::min(min, found);
+                for (VectorXd& x : x_) x[i] = found > min ? before : r;
             }
 }
 VectorXd LobeTracks::best_of_starts(const LitView& view, int lobes) const {
@@ -230,10 +230,10 @@ VectorXd LobeTracks::refine(std::size_t v, VectorXd x, const VectorXd& near) con
     return x;
 }
 
-MatrixXd shares_of(const std::vector<LitView>& views, const BlurredKernels& kernels, const LobeTracks& tracks) {
+MatrixXd fractions_of(const std::vector<LitView>& views, const BlurredKernels& kernels, const LobeTracks& tracks) {
     const Eigen::Index others = tracks[0].size() / 2, n = others * Eigen::Index(views.size());
     std::array<MatrixXd, 3> H;
-    MatrixXd g = MatrixXd::Zero(n, 3), shares(n, 3);
+    MatrixXd g = MatrixXd::Zero(n, 3), fractions(n, 3);
     H.fill(MatrixXd::Zero(n, n));
     for (std::size_t v = 0; v < views.size(); ++v) {
         TrackProblem problem(views[v], kernels, tracks[v], 0);
@@ -245,15 +245,15 @@ MatrixXd shares_of(const std::vector<LitView>& views, const BlurredKernels& kern
             channel_H.block(first, first, others, others) += quadratic.H,
                 g.col(c).segment(first, others) += quadratic.g;
             if (v + 1 == views.size()) continue;
-            const double smoothness = k_share_smoothness * elementary::square(closeness(v));
+            const double smoothness = k_fraction_smoothness * elementary::square(closeness(v));
             for (Eigen::Index i = first; i < first + others; ++i) {
                 channel_H(i, i) += smoothness, channel_H(i + others, i + others) += smoothness;
                 channel_H(i, i + others) -= smoothness, channel_H(i + others, i) -= smoothness;
             }
         }
     }
-    for (int c = 0; c < 3; ++c) shares.col(c) = H[std::size_t(c)].ldlt().solve(g.col(c));
-    return shares;
+    for (int c = 0; c < 3; ++c) fractions.col(c) = H[std::size_t(c)].ldlt().solve(g.col(c));
+    return fractions;
 }
 
 }  // namespace srbf

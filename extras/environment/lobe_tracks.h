@@ -25,6 +25,7 @@ class LobeTracks {
 
 /// The fractions of the lobes after the first for all views: one row for each view and lobe, with R, G, B. They
 /// minimise the squared errors plus the squared differences between neighbours.
-Eigen::MatrixXd shares_of(const std::vector<LitView>& views, const BlurredKernels& kernels, const LobeTracks& tracks);
+Eigen::MatrixXd fractions_of(const std::vector<LitView>& views, const BlurredKernels& kernels,
+                             const LobeTracks& tracks);
 
 }  // namespace srbf

@@ -28,8 +28,8 @@ void add_lobes(const LitView& view, const AveragedBrdf& three, Eigen::Index firs
     const std::vector<Reflected> reflected = sample_reflected(three, wv);
     const Rgb total = albedo(three.brdf(), wv.z);
     Eigen::Array3d largest = Eigen::Array3d::Constant(1e-9);
-    for (const auto& [w, share, density] : reflected)
-        largest = largest.max(k_view_samples * density * Eigen::Array3d(share.x, share.y, share.z));
+    for (const auto& [w, weight, density] : reflected)
+        largest = largest.max(k_view_samples * density * Eigen::Array3d(weight.x, weight.y, weight.z));
     const Eigen::Index count = std::min<Eigen::Index>(3, to.albedo.size() - first);
     for (Eigen::Index c = 0; c < count; ++c) {
         to.albedo[first + c] = double(total[int(c)]);
@@ -47,7 +47,7 @@ void set_lobes(LitView& view, const LobesOfView& lobes, Eigen::Index first, cons
     for (Eigen::Index c = 0; c < 3; ++c) {
         const Eigen::Index j = std::min(first + c, lobes.albedo.size() - 1);
         for (Eigen::Index i = 0; i < lit.size(); ++i)
-            view.weight(i, c) = view.lights[std::size_t(i)].share / std::max(lit[i], 1e-9);
+            view.weight(i, c) = view.lights[std::size_t(i)].root_weight / std::max(lit[i], 1e-9);
         view.radiance.col(c) =
             total / std::max(lobes.albedo[j], 1e-9) * view.weight.col(c).cwiseProduct(lobes.radiance.col(j));
     }
@@ -79,11 +79,11 @@ SharedLight shared_light(const PmModel& model, const ExtendedLightOptions& optio
     for (Eigen::Index j = 0; j < J; ++j) coefficient[j] = double(luminance(model.coefficient[std::size_t(j)]));
     for (Eigen::Index first = 0; first < J; first += 3) {
         for (std::size_t v = 0; v < views.size(); ++v) set_lobes(views[v], lobes[v], first, coefficient);
-        const MatrixXd shares = shares_of(views, kernels, tracks);
-        for (Eigen::Index i = 0; i < shares.rows(); ++i)
+        const MatrixXd fractions = fractions_of(views, kernels, tracks);
+        for (Eigen::Index i = 0; i < fractions.rows(); ++i)
             for (Eigen::Index j = first; j < std::min(first + 3, J); ++j)
                 light.weight[std::size_t(i * J + j)] =
-                    float(shares(i, j - first) * lobes[std::size_t(i / others)].albedo[j]);
+                    float(fractions(i, j - first) * lobes[std::size_t(i / others)].albedo[j]);
     }
     for (std::size_t v = 0; v < views.size(); ++v) {
         light.width.push_back(float(lobes[v].width.minCoeff()));

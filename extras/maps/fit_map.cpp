@@ -39,10 +39,9 @@ constexpr double k_none = -std::numeric_limits<double>::infinity();
 using Observed = std::vector<std::shared_ptr<const Observations>>;
 
 Result<Done> check_options(const MapOptions& options) {
-    for (const auto& result :
-         {require_range("fit_map", "number of lobes", options.lobes, 1, k_most_map_lobes),
-          require_range("fit_map", "number of variates", options.variates, 1, int(k_most_variates)),
-          require_range("fit_map", "number of threads", options.threads, 0, 1024)})
+    for (const auto& result : {require_range("fit_map", "number of lobes", options.lobes, 1, k_max_map_lobes),
+                               require_range("fit_map", "number of variates", options.variates, 1, int(k_max_variates)),
+                               require_range("fit_map", "number of threads", options.threads, 0, 1024)})
         if (!result) return result.error();
     if (is_reciprocal(options.form))
         return argument_error("fit_map", "form", "one that is not reciprocal", std::string(name(options.form)));
@@ -63,7 +62,8 @@ void optimise(SharedProblem& problem, Eigen::VectorXd& x, int steps) {
 }
 
 /// Finds the lobes that materials with these rows share.
-Lobes search_for_lobes(std::span<const std::unique_ptr<Rows>> rows, const MapOptions& options, Reporter& reporter) {
+Lobes search_for_lobes(std::span<const std::unique_ptr<PackedObservations>> rows, const MapOptions& options,
+                       Reporter& reporter) {
     const LobeShape shape = shape_of(lobe_options(options));
     std::mt19937_64 random = generator(options.seed, 0, 0);
     Lobes lobes = initial_parameterizations(shape, 0, random);
@@ -86,20 +86,20 @@ Lobes search_for_lobes(std::span<const std::unique_ptr<Rows>> rows, const MapOpt
 }
 
 /// The rows of one material with all terms of its objective, weighted for these lobes.
-std::unique_ptr<Rows> rows_of(const Observations& observations, const Lobes& lobes) {
+std::unique_ptr<PackedObservations> pack_for_map(const Observations& observations, const Lobes& lobes) {
     Subsets subsets(observations);
     Candidate candidate;
     candidate.lobes = lobes;
     subsets.add_exceeded_pairs({candidate}, lobes.shape);
     const double importance = observations.views.empty() ? 0 : subsets.picture_importance(candidate);
-    return std::make_unique<Rows>(subsets.rows(Pairs::selection, {.pictures = importance}));
+    return std::make_unique<PackedObservations>(subsets.rows(Pairs::selection, {.pictures = importance}));
 }
 
 /// Lets lobes follow all terms of the materials' objectives.
 Lobes refine(Lobes lobes, const Observed& observed, Reporter& reporter) {
     for (int round = 0; round < k_refinements && !reporter.cancelled(); ++round) {
-        std::vector<std::unique_ptr<Rows>> rows(observed.size());
-        parallel_for(rows.size(), [&](std::size_t t) { rows[t] = rows_of(*observed[t], lobes); });
+        std::vector<std::unique_ptr<PackedObservations>> rows(observed.size());
+        parallel_for(rows.size(), [&](std::size_t t) { rows[t] = pack_for_map(*observed[t], lobes); });
         SharedProblem problem(rows, lobes.shape);
         Eigen::VectorXd x = pack(lobes);
         problem.loss(x);
@@ -120,7 +120,7 @@ PmModel basis_model(const Lobes& lobes) {
 
 /// The logarithms of a material's coefficients for lobes with peak 1, lobes × 3; −∞ for a coefficient of 0.
 Eigen::MatrixXd log_coefficients(const Observations& observations, const Lobes& lobes) {
-    const auto rows = rows_of(observations, lobes);
+    const auto rows = pack_for_map(observations, lobes);
     LobeProblem problem(*rows, lobes.shape, false);
     problem.loss(pack(lobes));
     Eigen::MatrixXd log_beta = Eigen::MatrixXd::Constant(lobes.count(), 3, k_none);
@@ -136,9 +136,9 @@ Eigen::MatrixXd log_coefficients(const Observations& observations, const Lobes& 
 TexelMap map_of(const Observed& observed, const MapOptions& options, Reporter& reporter) {
     TexelMap map;
     on_threads(options.threads, [&] {
-        std::vector<std::unique_ptr<Rows>> rows;
+        std::vector<std::unique_ptr<PackedObservations>> rows;
         for (const auto& observations : observed)
-            rows.push_back(std::make_unique<Rows>(Subsets(*observations).rows(Pairs::search, {})));
+            rows.push_back(std::make_unique<PackedObservations>(Subsets(*observations).rows(Pairs::search, {})));
         Lobes lobes = search_for_lobes(rows, options, reporter);
         lobes = refine(std::move(lobes), observed, reporter);
         map.basis = basis_model(lobes);
@@ -200,10 +200,10 @@ Result<TexelMap> fit_map(std::span<const Measured> materials, const MapOptions& 
     parallel_for(materials.size(), options.threads, [&](std::size_t t) {
         const Model model = texel(map, t);
         const Evaluate fitted = evaluator(model);
-        const auto of_pictures =
+        const auto picture_errors =
             compare_pictures(evaluator(materials[t]), {&fitted, 1},
                              {.threads = 1, .is_isotropic = is_isotropic(materials[t]) && is_isotropic(model)});
-        map.error[t] = round_to_half(float(std::min(of_pictures[0].mean.delta_e, double(k_half_max))));
+        map.error[t] = round_to_half(float(std::min(picture_errors[0].mean.delta_e, double(k_half_max))));
         reporter.advance("measuring errors", 0.5);
     });
     return map;
@@ -233,15 +233,15 @@ Result<TexelMap> fit_map(const SharedPairs& pairs, std::span<const Rgb> f, const
     if (reporter.cancelled()) return cancelled_error("fit_map");
     if (observed.empty()) return no_data_error("fit_map", "texels with values above 0");
     TexelMap best;
-    double least = 0;
+    double min = 0;
     for (std::uint64_t search = 0; search < k_searches; ++search) {
-        MapOptions of_search = options;
-        of_search.seed = k_searches * options.seed + search;
-        TexelMap map = map_of(observed, of_search, reporter);
+        MapOptions search_options = options;
+        search_options.seed = k_searches * options.seed + search;
+        TexelMap map = map_of(observed, search_options, reporter);
         if (reporter.cancelled()) return cancelled_error("fit_map");
         const std::vector<float> errors = coefficients_of_texels(map, pairs, f, options.threads).error;
         const double error = std::accumulate(errors.begin(), errors.end(), 0.0);
-        if (search == 0 || error < least) least = error, best = std::move(map);
+        if (search == 0 || error < min) min = error, best = std::move(map);
     }
     return best;
 }

@@ -14,10 +14,10 @@ struct NpyHead {
     std::vector<std::uint64_t> shape;
     std::uint64_t data = 0;  ///< offset of the numbers [bytes]
 };
-/// Reads the head of a file of `size` bytes. `beginning` holds the first k_most_npy_head bytes or the whole file.
+/// Reads the head of a file of `size` bytes. `beginning` holds the first k_max_npy_head bytes or the whole file.
 /// Returns an error if the file is of another kind, if numbers have another type or order, or if the size does not
 /// match the shape.
 Result<NpyHead> read_npy_head(std::span<const std::byte> beginning, std::uint64_t size, const std::string& file_name);
-inline constexpr std::size_t k_most_npy_head = 4096;
+inline constexpr std::size_t k_max_npy_head = 4096;
 
 SRBF_END

@@ -10,13 +10,13 @@ namespace {
 
 /// Lower bound on √L_t, as a fraction of the largest one: a material that the lobes match perfectly must not outweigh
 /// others.
-constexpr double k_least_root = 0.1;
+constexpr double k_min_root = 0.1;
 /// The number of materials whose Hessians are in memory at once.
 constexpr std::size_t k_hessians = 8;
 
 }  // namespace
 
-SharedProblem::SharedProblem(std::span<const std::unique_ptr<Rows>> materials, const LobeShape& shape) {
+SharedProblem::SharedProblem(std::span<const std::unique_ptr<PackedObservations>> materials, const LobeShape& shape) {
     for (const auto& rows : materials) problems_.push_back(std::make_unique<LobeProblem>(*rows, shape, false));
     factor_.assign(materials.size(), 1.0), loss_.assign(materials.size(), 0.0);
 }
@@ -55,7 +55,7 @@ void SharedProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eige
 void SharedProblem::weigh() {
     const double largest = std::sqrt(std::max(*std::ranges::max_element(loss_), 1e-12));
     for (std::size_t t = 0; t < loss_.size(); ++t)
-        factor_[t] = 1 / std::max(std::sqrt(std::max(loss_[t], 0.0)), k_least_root * largest);
+        factor_[t] = 1 / std::max(std::sqrt(std::max(loss_[t], 0.0)), k_min_root * largest);
 }
 
 std::vector<double> SharedProblem::best_addition(const std::vector<std::vector<double>>& candidates) {

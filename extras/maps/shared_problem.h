@@ -14,7 +14,7 @@ namespace SRBF_NAMESPACE {
 class SharedProblem {
   public:
     /// The materials must outlive this object.
-    SharedProblem(std::span<const std::unique_ptr<Rows>> materials, const LobeShape& shape);
+    SharedProblem(std::span<const std::unique_ptr<PackedObservations>> materials, const LobeShape& shape);
 
     double loss(const Eigen::VectorXd& x);
     void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g);
@@ -24,7 +24,7 @@ class SharedProblem {
     Eigen::VectorXd upper(const Eigen::VectorXd& x) const;
     Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const;
 
-    /// Sets r_t from the losses of the last call of `loss`: √L_t, at least k_least_root of the largest.
+    /// Sets r_t from the losses of the last call of `loss`: √L_t, at least k_min_root of the largest.
     void weigh();
     /// The candidate whose addition would lower the loss most. Valid after `loss`.
     std::vector<double> best_addition(const std::vector<std::vector<double>>& candidates);

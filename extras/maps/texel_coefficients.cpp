@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "brdf/values.h"
 #include "extras/maps/texel_sums.h"
-#include "observe/bound.h"
+#include "observe/excess.h"
 #include "observe/pairs.h"
 #include "srbf/elementary.h"
 #include "srbf/fit_map.h"
@@ -21,9 +21,9 @@ constexpr double k_unlimited = std::numeric_limits<double>::infinity();
 /// Number of texels that a thread takes at once.
 constexpr std::size_t k_texels_of_task = 16 * k_block_texels;
 /// Smaller values of a lobe, relative to its largest, are 0: their products would be subnormal.
-constexpr double k_least_value = 1e-15;
+constexpr double k_min_value = 1e-15;
 /// A texel whose coefficients exceed 16-bit floats loses its largest values, at most this share of them.
-constexpr double k_most_left_out = 1.0 / 16;
+constexpr double k_max_left_out = 1.0 / 16;
 
 /// The values of lobe j, with coefficient 1, at pairs of directions.
 std::vector<Rgb> lobe_values(const TexelMap& map, std::size_t j, std::span<const Vec3f> wl, std::span<const Vec3f> wv) {
@@ -56,20 +56,20 @@ struct SampledLobes {
     std::vector<Aligned<float>> values;  ///< values of each lobe, in multiples of its scale
     std::vector<double> scale;           ///< the largest value of each lobe for coefficient 1
     std::vector<double> largest;  ///< upper bounds on coefficients if f cosθl cosθv of the samples is at most 1
-    /// lobes that do not rise by `k_most_excess` between or beyond the samples
+    /// lobes that do not rise by `k_max_excess` between or beyond the samples
     std::vector<std::size_t> constrained;
     std::vector<std::size_t> all;
 };
 
 /// A lobe that rises beyond the samples, where light or viewer is closer to the horizon than in any sample, may
-/// reach `k_most_excess` there. The coefficient of a lobe that rises between or beyond them, relative to the values
-/// at the samples, is at most `k_most_excess` times that of any texel in which the lobes were found.
+/// reach `k_max_excess` there. The coefficient of a lobe that rises between or beyond them, relative to the values
+/// at the samples, is at most `k_max_excess` times that of any texel in which the lobes were found.
 SampledLobes sampled_lobes(const TexelMap& map, const SharedPairs& pairs, std::size_t padded) {
-    float least = 1;  // cosine of a sample
+    float min = 1;  // cosine of a sample
     for (std::size_t i = 0; i < pairs.wl.size(); ++i)
-        if (const float cosine = std::min(pairs.wl[i].z, pairs.wv[i].z); cosine > 0) least = std::min(least, cosine);
+        if (const float cosine = std::min(pairs.wl[i].z, pairs.wv[i].z); cosine > 0) min = std::min(min, cosine);
     std::vector<Vec3f> wl, wv;
-    for (const auto& grid : {horizon_grid(), brink_grid()})
+    for (const auto& grid : {horizon_grid(), grazing_grid()})
         for (const DirectionPair& pair : grid) wl.push_back(pair.wl), wv.push_back(pair.wv);
     const std::size_t J = std::size_t(map.basis.lobes);
     const std::vector<double> shares = largest_shares(map, pairs);
@@ -84,20 +84,20 @@ SampledLobes sampled_lobes(const TexelMap& map, const SharedPairs& pairs, std::s
         lobes.scale.push_back(scale > 0 ? scale : 1);
         Aligned<float>& column = lobes.values.emplace_back(padded);
         for (std::size_t i = 0; i < sampled.size(); ++i)
-            if (const double value = double(sampled[i].r) / lobes.scale[j]; value > k_least_value)
+            if (const double value = double(sampled[i].r) / lobes.scale[j]; value > k_min_value)
                 column[i] = float(value);
         const std::vector<Rgb> values = lobe_values(map, j, wl, wv);
         for (std::size_t i = 0; i < wl.size(); ++i) {
-            double& peak = std::min(wl[i].z, wv[i].z) < least ? beyond : between;
+            double& peak = std::min(wl[i].z, wv[i].z) < min ? beyond : between;
             peak = std::max(peak, double(values[i].r) * bound_cosines(wl[i], wv[i]));
         }
-        lobes.largest[j] = beyond > k_most_excess * between ? k_most_excess / beyond : k_unlimited;
+        lobes.largest[j] = beyond > k_max_excess * between ? k_max_excess / beyond : k_unlimited;
         lobes.all.push_back(j);
-        const bool is_constrained = std::max(between, beyond) <= k_most_excess * at_samples;
+        const bool is_constrained = std::max(between, beyond) <= k_max_excess * at_samples;
         if (is_constrained)
             lobes.constrained.push_back(j);
         else
-            lobes.largest[j] = std::min(lobes.largest[j], k_most_excess * shares[j]);
+            lobes.largest[j] = std::min(lobes.largest[j], k_max_excess * shares[j]);
     }
     return lobes;
 }
@@ -236,10 +236,10 @@ class BlockSolver {
 /// Sets the value with the largest f cosθl cosθv of a texel to NaN.
 void leave_out_largest(const SharedPairs& pairs, std::span<Rgb> f) {
     std::size_t largest = 0;
-    double most = -1;
+    double max = -1;
     for (std::size_t i = 0; i < f.size(); ++i)
-        if (const double x = largest_of(f[i]) * cosines(pairs.wl[i], pairs.wv[i]); is_finite(f[i]) && x > most)
-            most = x, largest = i;
+        if (const double x = largest_of(f[i]) * cosines(pairs.wl[i], pairs.wv[i]); is_finite(f[i]) && x > max)
+            max = x, largest = i;
     f[largest].r = std::numeric_limits<float>::quiet_NaN();
 }
 
@@ -255,7 +255,7 @@ TexelCoefficients coefficients_of_texels(const TexelMap& map, const SharedPairs&
     const auto columns = columns_of(lobes.values), products = columns_of(lobe_products.values);
     TexelCoefficients texels{std::vector<Rgb>(T * J), std::vector<float>(T), std::vector<TexelState>(T),
                              std::vector<std::uint32_t>(T)};
-    parallel_for_parts(T, k_texels_of_task, threads, [&](std::size_t begin, std::size_t end) {
+    parallel_for_chunks(T, k_texels_of_task, threads, [&](std::size_t begin, std::size_t end) {
         BlockSolver solver(lobes, pairs, columns, products);
         std::vector<std::size_t> next(end - begin);
         std::iota(next.begin(), next.end(), begin);
@@ -276,7 +276,7 @@ TexelCoefficients coefficients_of_texels(const TexelMap& map, const SharedPairs&
                     leave_out_largest(shared, std::span(others).last(M));
                 }
             next = std::move(failed), remaining = std::move(others), values = remaining;
-            if (next.empty() || double(left_out) >= k_most_left_out * double(pairs.above)) break;
+            if (next.empty() || double(left_out) >= k_max_left_out * double(pairs.above)) break;
         }
         for (const std::size_t t : next) {
             std::fill_n(texels.coefficient.begin() + std::ptrdiff_t(t * J), J, Rgb{});

@@ -22,7 +22,7 @@ HWY_INLINE Batch pow(Batch a, double exponent) { return exp(Batch(exponent) * lo
 #define SRBF_FN static HWY_INLINE
 #include "observe/appearance_weights.inl"
 
-constexpr double k_most_of_bright = 1e15, k_infinity = std::numeric_limits<double>::infinity();
+constexpr double k_max_of_bright = 1e15, k_infinity = std::numeric_limits<double>::infinity();
 
 HWY_INLINE float* row(float* rows, std::size_t i) { return rows + i * k_block_texels; }
 HWY_INLINE const float* row(const float* rows, std::size_t i) { return rows + i * k_block_texels; }
@@ -67,8 +67,8 @@ HWY_INLINE void mark(const TexelPairs& pairs, TexelBlock& block, std::size_t v) 
             sum = sum + y;
         }
         const Batch brightness = sum * number(pairs.cos_l[i]) * Batch(1 / 3.0),
-                    of_known = select(Batch(0.0) < brightness, brightness, Batch(k_infinity));
-        select(is_known, of_known, Batch(std::numeric_limits<double>::quiet_NaN()))
+                    known_brightness = select(Batch(0.0) < brightness, brightness, Batch(k_infinity));
+        select(is_known, known_brightness, Batch(std::numeric_limits<double>::quiet_NaN()))
             .store(row(block.weight.data(), i) + v);
     }
 }
@@ -85,7 +85,7 @@ HWY_INLINE void normalise(const TexelPairs& pairs, TexelBlock& block, std::size_
             sum = sum + channels[c];
         }
         const BatchMask is_known =
-            hn::And(sum < Batch(k_most_of_bright), Batch(0.0) < Batch::load(row(block.weight.data(), i) + v));
+            hn::And(sum < Batch(k_max_of_bright), Batch(0.0) < Batch::load(row(block.weight.data(), i) + v));
         for (std::size_t c = 0; c < 3; ++c) {
             const Batch y = select(is_known, channels[c], Batch(0.0));
             largest = max(largest, y * number(pairs.cosines[i]));
@@ -110,13 +110,13 @@ HWY_INLINE void weigh(const TexelPairs& pairs, TexelBlock& block, std::size_t v)
             const Batch y = value(block, i, c, v);
             sum = sum + y, square = square + y * y;
         }
-        const Batch f = sum * Batch(1 / 3.0), of_display = is_known * display_weight(f, bright, cos_l, cos_v),
-                    of_highlights = is_known * highlight_weight(f, bright, cos_l, cos_v);
-        displayed = displayed + of_display * square;
-        highlights = highlights + of_highlights * square;
+        const Batch f = sum * Batch(1 / 3.0), display_weights = is_known * display_weight(f, bright, cos_l, cos_v),
+                    highlight_weights = is_known * highlight_weight(f, bright, cos_l, cos_v);
+        displayed = displayed + display_weights * square;
+        highlights = highlights + highlight_weights * square;
         peaks = peaks + is_known * cosine_weight(f, bright, cos_l, cos_v) * square;
-        of_display.store(row(block.weight.data(), i) + v);
-        of_highlights.store(row(block.further.data(), i) + v);
+        display_weights.store(row(block.weight.data(), i) + v);
+        highlight_weights.store(row(block.further.data(), i) + v);
     }
     const auto factor = [&](double importance, Batch energy) HWY_ATTR {
         return select(Batch(0.0) < energy, Batch(importance) * displayed / energy, Batch(0.0));
@@ -191,11 +191,11 @@ void weighted_residuals(std::span<const float* const> columns, const float* beta
             for (std::size_t i = 0; i < k_together; ++i)
                 for (std::size_t c = 0; c < 3; ++c) left[i][c] = value(block, first + i, c, v);
             for (std::size_t n = 0; n < columns.size(); ++n) {
-                Batch of_column[3];
-                for (std::size_t c = 0; c < 3; ++c) of_column[c] = Batch::load(row(beta, 3 * n + c) + v);
+                Batch coefficient[3];
+                for (std::size_t c = 0; c < 3; ++c) coefficient[c] = Batch::load(row(beta, 3 * n + c) + v);
                 for (std::size_t i = 0; i < k_together; ++i)
                     for (std::size_t c = 0; c < 3; ++c)
-                        left[i][c] = left[i][c] - number(columns[n][first + i]) * of_column[c];
+                        left[i][c] = left[i][c] - number(columns[n][first + i]) * coefficient[c];
             }
             for (std::size_t i = 0; i < k_together; ++i) {
                 Batch squares(0.0);

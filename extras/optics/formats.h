@@ -1,7 +1,7 @@
 // The formats of optical design software.
 #pragma once
 #include "extras/optics/scatter.h"
-#include "measured/formats/rows.h"
+#include "measured/formats/format_rows.h"
 #include "measured/samples.h"
 
 namespace SRBF_NAMESPACE {

@@ -11,7 +11,7 @@ inline void check_zemax(std::span<const std::byte> bytes) {
     const std::string written = write_zemax(*table);
     const auto again = read_zemax(std::as_bytes(std::span(written)), "f");
     require(again.ok() && again->slices.size() == table->slices.size(), "what is written is read");
-    check_measured(Result<EvaluatedTable>(evaluated(*std::move(table))));
+    check_measured(Result<EvaluatedTable>(as_evaluated_table(*std::move(table))));
 }
 
 inline const NamedTarget k_optics_targets[] = {{"zemax", check_zemax}};

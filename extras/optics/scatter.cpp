@@ -294,18 +294,19 @@ std::vector<TableLine> lines_about(const ScatterTable& table) {
             {"TIS", "∫ f cosθ over the measured directions: " + tis}};
 }
 
-EvaluatedTable evaluated(ScatterTable table) {
+EvaluatedTable as_evaluated_table(ScatterTable table) {
     return evaluated_table(std::make_shared<const ScatterTable>(std::move(table)));
 }
 
 Measured measured_of(std::array<std::optional<ScatterTable>, 2> tables, const std::string& file_name,
                      const char* format) {
-    if (!tables[1]) return {file_name, format, 0, evaluated(*std::move(tables[0]))};
+    if (!tables[1]) return {file_name, format, 0, as_evaluated_table(*std::move(tables[0]))};
     BsdfTable both{{{}}, 0, {}};
     for (std::size_t s = 0; s < 2; ++s)
         if (tables[s])
             both.bands[0].part[std::size_t(s == 0 ? Part::reflection_front : Part::transmission_front)] =
-                std::make_shared<const Measured>(Measured{file_name, format, 0, evaluated(*std::move(tables[s]))});
+                std::make_shared<const Measured>(
+                    Measured{file_name, format, 0, as_evaluated_table(*std::move(tables[s]))});
     return {file_name, format, 0, std::move(both)};
 }
 
@@ -316,7 +317,7 @@ std::vector<ScatterTable> scatter_tables(const TableSource& source, bool about_m
         const Measured* measured = source.measured && !source.measured->exchanged ? source.measured : nullptr;
         const auto* bsdf = measured ? std::get_if<BsdfTable>(&measured->table) : nullptr;
         if (bsdf) measured = bsdf->band().part[std::size_t(part)].get();
-        const auto* table = measured ? own_table<ScatterTable>(*measured) : nullptr;
+        const auto* table = measured ? table_as<ScatterTable>(*measured) : nullptr;
         if (table && table->about_mirror == about_mirror) {
             tables.push_back(*table);
             continue;

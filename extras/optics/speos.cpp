@@ -17,7 +17,7 @@ namespace {
 constexpr std::string_view k_anisotropic_title = "OPTIS - Anisotropic BSDF surface file",
                            k_spectral_title = "OPTIS - brdf surface file";
 /// Limits on the counts in a header.
-constexpr std::size_t k_most_rotations = 3600, k_most_incidences = 3600, k_most_grid = 10000, k_most_percents = 10000;
+constexpr std::size_t k_max_rotations = 3600, k_max_incidences = 3600, k_max_grid = 10000, k_max_percents = 10000;
 /// Values are relative to the stated percentage. If their own integral is within this fraction of it they are kept
 /// as they are, since a stated percentage often comes from another quadrature.
 constexpr double k_same_percentage = 0.1;
@@ -32,10 +32,9 @@ struct SpeosSide {
 };
 
 void read_speos_angles(ScatterText& text, SpeosSide& side) {
-    side.rotation = text.angles("rotation", text.count("number of rotations", k_most_rotations), 0, 360);
+    side.rotation = text.angles("rotation", text.count("number of rotations", k_max_rotations), 0, 360);
     for (std::size_t r = 0; r < side.rotation.size() && !text.error(); ++r)
-        side.incidence.push_back(
-            text.angles("incidence", text.count("number of incidences", k_most_incidences), 0, 90));
+        side.incidence.push_back(text.angles("incidence", text.count("number of incidences", k_max_incidences), 0, 90));
 }
 
 float speos_percentage(ScatterText& text) {
@@ -49,7 +48,7 @@ void read_speos_percents(ScatterText& text, SpeosSide& side) {
     side.theta = text.number<double>("theta of the spectrum") * k_degree;
     text.number<double>("phi of the spectrum");
     text.raw_line(), text.raw_line();  // the end of that line, then a description
-    const std::size_t n = text.count("number of wavelengths", k_most_percents);
+    const std::size_t n = text.count("number of wavelengths", k_max_percents);
     for (std::size_t i = 0; i < n && !text.error(); ++i) {
         side.wavelength.push_back(text.number<float>("wavelength"));
         side.percent.push_back(speos_percentage(text));
@@ -70,8 +69,8 @@ void divide_by_cosine(ScatterTable::Slice& slice) {
 ScatterTable::Slice read_speos_slice(ScatterText& text, const SpeosSide& side, float theta_l, bool are_bsdf) {
     ScatterTable::Slice slice;
     slice.theta_l = theta_l;
-    const std::size_t n_theta = text.count("number of theta", k_most_grid),
-                      n_phi = text.count("number of phi", k_most_grid);
+    const std::size_t n_theta = text.count("number of theta", k_max_grid),
+                      n_phi = text.count("number of phi", k_max_grid);
     if (!text.error() && n_theta * n_phi > text.left()) text.fail("number of values", "what the file has", "more");
     slice.azimuth = text.angles("phi", n_phi, 0, 360);
     const auto [lower, upper] = side.is_transmission ? std::pair(90.0, 180.0) : std::pair(0.0, 90.0);
@@ -158,8 +157,8 @@ void read_anisotropic(ScatterText& text, std::array<SpeosSide, 2>& sides, bool a
 /// for each, first for reflection and then for transmission. A table keeps the mean over wavelengths and the tint
 /// of the percentages.
 void read_spectral(ScatterText& text, std::array<SpeosSide, 2>& sides, bool are_bsdf, SpeosTables& tables) {
-    const std::size_t n_incidences = text.count("number of incidences", k_most_incidences),
-                      n_wavelengths = text.count("number of wavelengths", k_most_percents);
+    const std::size_t n_incidences = text.count("number of incidences", k_max_incidences),
+                      n_wavelengths = text.count("number of wavelengths", k_max_percents);
     const auto incidences = text.angles("incidence", n_incidences, 0, 90);
     std::vector<float> wavelength;
     for (std::size_t k = 0; k < n_wavelengths && !text.error(); ++k)

@@ -14,9 +14,9 @@ bool is_shown(const ChartSeries::Point& point) {
 }
 
 struct Range {
-    double least = std::numeric_limits<double>::infinity(), most = 0;
-    void add(double value) { least = std::min(least, value), most = std::max(most, value); }
-    double position(double value) const { return std::log(value / least) / std::log(most / least); }
+    double min = std::numeric_limits<double>::infinity(), max = 0;
+    void add(double value) { min = std::min(min, value), max = std::max(max, value); }
+    double position(double value) const { return std::log(value / min) / std::log(max / min); }
 };
 
 }  // namespace
@@ -27,13 +27,13 @@ std::string chart_drawing(const Chart& chart) {
         for (const auto& point : series.points)
             if (is_shown(point)) x.add(point.x), y.add(point.y);
     for (const double tick : chart.x_ticks) x.add(tick);
-    if (y.most == 0) x.add(1), y.add(1);
+    if (y.max == 0) x.add(1), y.add(1);
     // The axis of errors has whole decades, the axis of x some space at both ends.
-    const int lowest = int(std::floor(std::log10(y.least))),
-              highest = std::max(int(std::ceil(std::log10(y.most))), lowest + 1);
+    const int lowest = int(std::floor(std::log10(y.min))),
+              highest = std::max(int(std::ceil(std::log10(y.max))), lowest + 1);
     y = {std::pow(10.0, lowest), std::pow(10.0, highest)};
-    const double space = std::max(std::pow(x.most / x.least, 0.04), 1.05);
-    x.add(x.least / space), x.add(x.most * space);
+    const double space = std::max(std::pow(x.max / x.min, 0.04), 1.05);
+    x.add(x.min / space), x.add(x.max * space);
     const auto x_of = [&](double value) { return k_left + x.position(value) * (k_right - k_left); };
     const auto y_of = [&](double value) { return k_bottom - y.position(value) * (k_bottom - k_top); };
 
@@ -47,7 +47,7 @@ std::string chart_drawing(const Chart& chart) {
     }
     std::vector<double> ticks = chart.x_ticks;
     if (ticks.empty())
-        for (int exponent = int(std::ceil(std::log10(x.least))); std::pow(10.0, exponent) <= x.most; ++exponent)
+        for (int exponent = int(std::ceil(std::log10(x.min))); std::pow(10.0, exponent) <= x.max; ++exponent)
             ticks.push_back(std::pow(10.0, exponent));
     for (const double tick : ticks)
         svg += svg_line("grid", x_of(tick), k_top, x_of(tick), k_bottom + 4) +

@@ -103,15 +103,15 @@ Result<HdrHeader> read_header(std::span<const std::byte> bytes, const std::strin
     const auto width = to_number<std::int64_t>(next_word(line));
     if (minus_y != "-Y" || plus_x != "+X" || !height || !width || end == text.size())
         return fail(begin, "resolution", "'-Y HEIGHT +X WIDTH'", quoted(text.substr(begin, end - begin)));
-    if (*width < 1 || *height < 1 || *width > k_most_texels / *height)
-        return fail(begin, "resolution", fmt::format("1 to {} texels", k_most_texels),
+    if (*width < 1 || *height < 1 || *width > k_max_texels / *height)
+        return fail(begin, "resolution", fmt::format("1 to {} texels", k_max_texels),
                     fmt::format("{} x {}", *width, *height));
     return HdrHeader{*width, *height, begin, end + 1};
 }
 
 /// Upper bound on the size of a file with this beginning. An invalid header limits it to the beginning, which
 /// suffices to report the error.
-std::uint64_t most_bytes_of(std::span<const std::byte> head) {
+std::uint64_t max_bytes_of(std::span<const std::byte> head) {
     if (is_exr(head)) return check_exr_header(head, k_largest_file, {}).ok() ? k_largest_file : head.size();
     const auto header = read_header(head, {});
     if (!header) return head.size();
@@ -250,7 +250,7 @@ Result<Environment> load_environment(const std::string& name) {
     if (name == k_built_in_environment)
         return read_environment(std::span(srbf_studio_begin, srbf_studio_end), "studio.hdr");
     return within_memory(name, [&]() -> Result<Environment> {
-        const auto bytes = read_file(name, most_bytes_of);
+        const auto bytes = read_file(name, max_bytes_of);
         if (!bytes) return bytes.error();
         return read_environment(*bytes, name);
     });

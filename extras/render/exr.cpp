@@ -170,8 +170,8 @@ std::array<std::int64_t, 2> block_of(const std::vector<Attribute>& attributes) {
 }  // namespace
 
 Result<Done> check_exr_header(std::span<const std::byte> start, std::uint64_t size, const std::string& file_name) {
-    constexpr std::size_t k_most_header = k_head_bytes;
-    const auto text = as_text(start.first(std::min(start.size(), k_most_header)));
+    constexpr std::size_t k_max_header = k_head_bytes;
+    const auto text = as_text(start.first(std::min(start.size(), k_max_header)));
     std::size_t end = 0;
     const auto header = attributes(text, end);
     // Otherwise the library would allocate the size that an attribute declares.
@@ -181,8 +181,8 @@ Result<Done> check_exr_header(std::span<const std::byte> start, std::uint64_t si
     const std::size_t offset = std::ranges::find(*header, "dataWindow", &Attribute::name)->offset;
     const std::int64_t width = std::int64_t((*window)[2]) - (*window)[0] + 1,
                        height = std::int64_t((*window)[3]) - (*window)[1] + 1;
-    if (width < 1 || height < 1 || width > k_most_texels / height)
-        return Error{file_name, offset, "dataWindow", fmt::format("1 to {} pixels", k_most_texels),
+    if (width < 1 || height < 1 || width > k_max_texels / height)
+        return Error{file_name, offset, "dataWindow", fmt::format("1 to {} pixels", k_max_texels),
                      fmt::format("{} x {}", width, height)};
     // Lossy compression takes a fifth of a byte per pixel of a photograph; a small file may have a single colour.
     constexpr std::uint64_t k_always = std::uint64_t(1) << 21, k_pixels_per_byte = 8;
@@ -207,9 +207,9 @@ Result<Image> read_exr(std::span<const std::byte> bytes, const std::string& file
         const auto window = file.header().dataWindow();
         const std::int64_t width = std::int64_t(window.max.x) - window.min.x + 1,
                            height = std::int64_t(window.max.y) - window.min.y + 1;
-        if (width < 1 || height < 1 || width > k_most_texels / height)
+        if (width < 1 || height < 1 || width > k_max_texels / height)
             return Error{
-                file_name, {}, "pixels", fmt::format("1 to {}", k_most_texels), fmt::format("{} x {}", width, height)};
+                file_name, {}, "pixels", fmt::format("1 to {}", k_max_texels), fmt::format("{} x {}", width, height)};
         for (const char* name : {"R", "G", "B"}) {
             const Imf::Channel* channel = file.header().channels().findChannel(name);
             if (channel && channel->xSampling == 1 && channel->ySampling == 1) continue;

@@ -25,14 +25,14 @@ Result<Done> write_half_exr(int width, int height, std::span<const std::string> 
                             std::span<const std::uint16_t> halves, const std::string& path);
 
 /// Reads the channels R, G and B of an EXR file. Returns an error if the file is not EXR, lacks these channels, is
-/// damaged or has more than `k_most_texels` pixels. `file_name` appears in errors only.
+/// damaged or has more than `k_max_texels` pixels. `file_name` appears in errors only.
 Result<Image> read_exr(std::span<const std::byte> bytes, const std::string& file_name);
 /// Checks a header before the library reads it, because the library allocates whatever the header declares. `start`
 /// is the beginning of a file of `size` bytes. Returns an error if the header is longer than the file or 1 MB, or if it
-/// declares more than `k_most_texels` pixels, more pixels than 2²¹ plus 8 per byte of the file, or more blocks of
+/// declares more than `k_max_texels` pixels, more pixels than 2²¹ plus 8 per byte of the file, or more blocks of
 /// pixels than a file of that size can have. All other damage is left to the library.
 Result<Done> check_exr_header(std::span<const std::byte> start, std::uint64_t size, const std::string& file_name);
-inline constexpr std::int64_t k_most_texels = std::int64_t(1) << 26;
+inline constexpr std::int64_t k_max_texels = std::int64_t(1) << 26;
 bool is_exr(std::span<const std::byte> bytes);
 
 }  // namespace srbf

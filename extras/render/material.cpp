@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "any/table_file.h"
+#include "api/table_file.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/su/su_functions.h"
 
@@ -40,13 +40,13 @@ BsdfTables tables_of(const AnyBrdf& bsdf, const Evaluate& values) {
     BsdfTables tables{{}, beams_of(bsdf)};
     for (std::size_t p = 0; p < k_parts; ++p)
         if (has_part(bsdf, Part(p)))
-            tables.part[p] = std::make_shared<const MerlTable>(table_of(part_of(values, Part(p)), k_bsdf_table));
+            tables.part[p] = std::make_shared<const MerlTable>(tabulate_merl(part_of(values, Part(p)), k_bsdf_table));
     return tables;
 }
 
 }  // namespace
 
-MerlTable table_of(const Evaluate& brdf, std::array<std::uint32_t, 3> size) {
+MerlTable tabulate_merl(const Evaluate& brdf, std::array<std::uint32_t, 3> size) {
     MerlTable table = to_merl(brdf, size);
     for (int layer = 0; layer < 2; ++layer) extrapolate(table);
     return table;
@@ -68,7 +68,7 @@ Result<Material> material_of(const AnyBrdf& brdf, const std::string& path) {
     if (!is_isotropic(measured))
         return Error{path, {}, "measurement for the renderer raster", "an isotropic one", "an anisotropic one"};
     if (is_two_sided(brdf)) return Material(tables_of(brdf, evaluator(measured)));
-    return Material(table_of(evaluator(measured)));
+    return Material(tabulate_merl(evaluator(measured)));
 }
 
 }  // namespace srbf

@@ -7,7 +7,7 @@
 namespace SRBF_NAMESPACE {
 
 /// An isotropic BRDF as a table in Rusinkiewicz coordinates. Cells beyond 89.7° are extrapolated.
-MerlTable table_of(const Evaluate& brdf, std::array<std::uint32_t, 3> size = k_merl_size);
+MerlTable tabulate_merl(const Evaluate& brdf, std::array<std::uint32_t, 3> size = k_merl_size);
 /// The material of a model as it is. A measurement becomes a table in Rusinkiewicz coordinates, or one table for
 /// each part of a BSDF; a BSDF with a view-by-view part also becomes tables. Returns an error for an anisotropic
 /// measurement. `path` appears in errors only.

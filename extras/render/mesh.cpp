@@ -10,11 +10,11 @@
 namespace SRBF_NAMESPACE {
 
 Bounds bounds(const Mesh& mesh) {
-    constexpr float most = std::numeric_limits<float>::max();
-    Bounds box{{most, most, most}, {-most, -most, -most}};
+    constexpr float max = std::numeric_limits<float>::max();
+    Bounds box{{max, max, max}, {-max, -max, -max}};
     for (const Vec3f& p : mesh.positions) {
-        box.least = {std::min(box.least.x, p.x), std::min(box.least.y, p.y), std::min(box.least.z, p.z)};
-        box.most = {std::max(box.most.x, p.x), std::max(box.most.y, p.y), std::max(box.most.z, p.z)};
+        box.min = {std::min(box.min.x, p.x), std::min(box.min.y, p.y), std::min(box.min.z, p.z)};
+        box.max = {std::max(box.max.x, p.x), std::max(box.max.y, p.y), std::max(box.max.z, p.z)};
     }
     return box;
 }

@@ -24,7 +24,7 @@ struct Mesh {
 
 /// The axis-aligned bounding box of the points.
 struct Bounds {
-    Vec3f least, most;
+    Vec3f min, max;
 };
 Bounds bounds(const Mesh& mesh);
 
@@ -33,7 +33,7 @@ std::vector<Vec3f> area_weighted_normals(std::span<const Vec3f> positions, std::
 
 /// Coordinates of a mesh that is read are at most this far from 0, and its bounds are at least this wide along one
 /// axis: then computed values, up to the fourth power of 100 times its size, remain in the range of floats.
-inline constexpr float k_furthest_vertex = 1e7f, k_least_extent = 1e-7f;
+inline constexpr float k_furthest_vertex = 1e7f, k_min_extent = 1e-7f;
 
 // Both readers give a mesh without normals `area_weighted_normals`, and invert its orientation if its triangles
 // enclose a negative volume. Normals of length 0 are replaced in the same way; others are normalised. Texture

@@ -31,7 +31,7 @@ Vec2f texture_coordinates(float u, float v) {
 
 /// The signed volume enclosed by the triangles, negative if they are clockwise seen from outside.
 double signed_volume(const Mesh& mesh) {
-    const Vec3d origin = to_double(bounds(mesh).least);
+    const Vec3d origin = to_double(bounds(mesh).min);
     double sum = 0;
     for (const Triangle& t : mesh.triangles) {
         const auto corner = [&](std::size_t k) { return to_double(mesh.positions[t[k]]) - origin; };
@@ -45,14 +45,14 @@ double signed_volume(const Mesh& mesh) {
 /// are no triangles, or if coordinates or the extent are beyond the limits in mesh.h.
 Result<Mesh> complete_mesh(Mesh mesh, const std::string& file_name) {
     if (mesh.triangles.empty()) return Error{file_name, {}, "faces of the mesh", "one at least", "none"};
-    const auto& [least, most] = bounds(mesh);
-    const float furthest = std::max({-least.x, -least.y, -least.z, most.x, most.y, most.z}),
-                extent = std::max({most.x - least.x, most.y - least.y, most.z - least.z});
+    const auto& [min, max] = bounds(mesh);
+    const float furthest = std::max({-min.x, -min.y, -min.z, max.x, max.y, max.z}),
+                extent = std::max({max.x - min.x, max.y - min.y, max.z - min.z});
     if (furthest > k_furthest_vertex)
         return input_error(file_name, "coordinates of the mesh", fmt::format("at most {:g} from 0", k_furthest_vertex),
                            fmt::format("{:g}", furthest));
-    if (extent < k_least_extent)
-        return input_error(file_name, "extent of the mesh", fmt::format("at least {:g}", k_least_extent),
+    if (extent < k_min_extent)
+        return input_error(file_name, "extent of the mesh", fmt::format("at least {:g}", k_min_extent),
                            fmt::format("{:g}", extent));
     if (mesh.normals.empty() && signed_volume(mesh) < 0) {
         for (auto& corners : mesh.triangles) std::swap(corners[1], corners[2]);
@@ -103,7 +103,7 @@ struct Element {
     std::vector<Property> properties;
 };
 
-constexpr std::size_t k_most_elements = 64, k_most_properties = 256;
+constexpr std::size_t k_max_elements = 64, k_max_properties = 256;
 
 /// The destination of a vertex property: a coordinate of the position (0 to 2), of the normal (3 to 5) or of the
 /// texture (6, 7), or no destination (8).
@@ -171,14 +171,14 @@ class PlyReader {
                 Element element{std::string(next_word(*line).substr(0, 40)), 0, {}};
                 const std::string_view word = next_word(*line);
                 const auto count = to_number<std::uint64_t>(word);
-                if (!count || elements_.size() == k_most_elements)
-                    return fail("element of a .ply", fmt::format("at most {}, each with a count", k_most_elements),
+                if (!count || elements_.size() == k_max_elements)
+                    return fail("element of a .ply", fmt::format("at most {}, each with a count", k_max_elements),
                                 word);
                 element.count = *count;
                 elements_.push_back(std::move(element));
             } else if (keyword == "property") {
-                if (elements_.empty() || elements_.back().properties.size() == k_most_properties)
-                    return fail("property of a .ply", fmt::format("after its element, at most {}", k_most_properties),
+                if (elements_.empty() || elements_.back().properties.size() == k_max_properties)
+                    return fail("property of a .ply", fmt::format("after its element, at most {}", k_max_properties),
                                 *line);
                 Property property;
                 std::string_view word = next_word(*line);
@@ -199,7 +199,7 @@ class PlyReader {
     }
 
     /// The minimum size in bytes of a number, including the separator of a text.
-    std::size_t least_bytes(const Type& type) const { return encoding_ == Encoding::ascii ? 2 : type.size; }
+    std::size_t min_bytes(const Type& type) const { return encoding_ == Encoding::ascii ? 2 : type.size; }
     /// True if the remaining bytes can hold as many; the last number of a text needs no separator.
     bool may_hold(std::uint64_t count, std::uint64_t bytes_each) const {
         return count == 0 || bytes_each == 0 || count <= (bytes_.size() - offset_ + 1) / bytes_each;
@@ -236,17 +236,17 @@ class PlyReader {
     /// Reads the rows of an element: vertices, the corners of faces, or rows to skip.
     Result<Done> read_rows(const Element& element) {
         const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
-        std::uint64_t least_row = 0;  // its scalars and the lengths of its lists
+        std::uint64_t min_row = 0;  // its scalars and the lengths of its lists
         std::array<bool, k_destinations> has{};
         const Property* indices = nullptr;
         for (const Property& property : element.properties) {
-            least_row += least_bytes(property.length ? *property.length : *property.type);
+            min_row += min_bytes(property.length ? *property.length : *property.type);
             if (!property.length) has[destination_of(property.name)] = true;
             if (is_face && !indices && property.length &&
                 (property.name == "vertex_indices" || property.name == "vertex_index"))
                 indices = &property;
         }
-        if (!may_hold(element.count, least_row) || element.count > k_none)
+        if (!may_hold(element.count, min_row) || element.count > k_none)
             return fail(fmt::format("number of elements {}", element.name), "as many as the file's size can hold",
                         std::to_string(element.count));
         if (is_vertex && !(has[0] && has[1] && has[2]))
@@ -263,9 +263,9 @@ class PlyReader {
                     if (!done) return done.error();
                     add_polygon(corners, mesh_.triangles);
                 } else if (const auto number = next(*property.type)) {
-                    constexpr double most = std::numeric_limits<float>::max();
+                    constexpr double max = std::numeric_limits<float>::max();
                     x[destination_of(property.name)] =
-                        std::abs(*number) <= most ? float(*number) : std::numeric_limits<float>::quiet_NaN();
+                        std::abs(*number) <= max ? float(*number) : std::numeric_limits<float>::quiet_NaN();
                 } else {
                     return no_number(element, row);
                 }
@@ -287,7 +287,7 @@ class PlyReader {
         const auto is_count = [](double x) { return x >= 0 && x <= double(k_none) && x == std::floor(x); };
         const auto length = next(*property.length);
         if (!length) return no_number(element, row);
-        if (!is_count(*length) || !may_hold(std::uint64_t(*length), least_bytes(*property.type)))
+        if (!is_count(*length) || !may_hold(std::uint64_t(*length), min_bytes(*property.type)))
             return fail(fmt::format("length of a list of {} {}", element.name, row + 1),
                         "one that the file's size can hold", fmt::format("{:.12g}", *length));
         for (auto k = std::uint64_t(*length); k > 0; --k) {

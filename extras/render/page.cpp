@@ -37,13 +37,13 @@ Json texture(const char* sampler, const char* target, const char* format, std::v
 
 /// The inputs of a material's shader: "block", the numbers of PmNumbers; "vectors", of the uniform "vectors_name";
 /// "textures".
-template <typename M> Json numbers_of(const M& model) {
+template <typename M> Json numbers_json(const M& model) {
     const Uniform uniform = uniform_of(model);
     if (uniform.numbers.empty()) return Json::object();
     return {{"vectors", base64_of(uniform.numbers)}, {"vectors_name", uniform.name}};
 }
-Json numbers_of(const PmModel& model) { return {{"block", base64_of(pm_numbers(model))}}; }
-Json numbers_of(const std::vector<Float4>& merl_texels, std::vector<std::uint32_t> size) {
+Json numbers_json(const PmModel& model) { return {{"block", base64_of(pm_numbers(model))}}; }
+Json numbers_json(const std::vector<Float4>& merl_texels, std::vector<std::uint32_t> size) {
     std::vector<std::array<std::uint16_t, 4>> halves;
     for (const Float4& texel : merl_texels) {
         auto& half = halves.emplace_back();
@@ -51,15 +51,15 @@ Json numbers_of(const std::vector<Float4>& merl_texels, std::vector<std::uint32_
     }
     return {{"textures", {texture("merl_table", "3D", "RGBA16F", std::move(size), base64_of(halves))}}};
 }
-Json numbers_of(const MerlTable& table) {
+Json numbers_json(const MerlTable& table) {
     const auto [h, d, p] = table.size;
-    return numbers_of(merl_texels(table), {p, d, h});
+    return numbers_json(merl_texels(table), {p, d, h});
 }
-Json numbers_of(const BsdfTables& tables) {
+Json numbers_json(const BsdfTables& tables) {
     const auto [h, d, p] = size_of(tables);
-    return numbers_of(merl_texels(tables), {p, d, std::uint32_t(k_parts) * h});
+    return numbers_json(merl_texels(tables), {p, d, std::uint32_t(k_parts) * h});
 }
-Json numbers_of(const SuModel& model) {
+Json numbers_json(const SuModel& model) {
     const auto n = std::uint32_t(model.direction.size());
     const SuTexels texels = su_texels(model);
     Json textures{
@@ -104,7 +104,7 @@ int azimuths_of(const Material& material) {
     return isotropic ? 1 : k_anisotropic_azimuths;
 }
 
-ShaderText text_of(const Material& material) { return shader_text(material, {.dialect = Dialect::es_300}); }
+ShaderText shader_text_of(const Material& material) { return shader_text(material, {.dialect = Dialect::es_300}); }
 
 /// True if a picture shows a BSDF.
 bool shows_both_sides(const Page& page) {
@@ -126,7 +126,7 @@ Json common_data(bool two_sided) {
     for (const std::string_view name : {"ball", "sphere", "knot"})
         data["meshes"][std::string(name)] = json_of(page_mesh(name));
     data["light_behind"] = json_of(k_light_behind.towards);
-    data["vertex"] = text_of(Flat{}).vertex;
+    data["vertex"] = shader_text_of(Flat{}).vertex;
     data["pixel"] = pixel_text({});
     // The shader that displays pictures under an environment.
     const ShaderText develop = develop_shader_text(Dialect::es_300);
@@ -144,7 +144,7 @@ Json common_data(bool two_sided) {
 
 Json data_of(const PageMaterial& entry) {
     if (!entry.material) return {};
-    Json numbers = std::visit([](const auto& m) { return numbers_of(m); }, *entry.material);
+    Json numbers = std::visit([](const auto& m) { return numbers_json(m); }, *entry.material);
     const bool two_sided = is_two_sided(*entry.material);
     const ProposeOptions options{.azimuths = azimuths_of(*entry.material), .facets = facets_of(*entry.material)};
     const ProposalNumbers proposal =
@@ -252,7 +252,7 @@ std::string slices_of(const Page& page) {
         if (both_sides) html += lobe_drawing(curves, theta * k_degree, LobeScale::logarithmic);
     return html + "</div>";
 }
-std::string table_of(const Page& page) {
+std::string table_html(const Page& page) {
     std::string html = "<div class='wide'><table><thead><tr><td></td>";
     for (std::size_t i = 0; i < page.materials.size(); ++i)
         html += fmt::format("<th scope='col'>{}</th>", label_of(page, i));
@@ -300,7 +300,7 @@ std::string texts_of(const Page& page) {
                 html += copyable(fmt::format("{}: numbers of the shader's {}", entry.name, name),
                                  fmt::format("numbers-{}", i), text);
             html += copyable(fmt::format("{}: fragment shader (GLSL ES 3.00)", entry.name), fmt::format("glsl-{}", i),
-                             text_of(*entry.material).fragment);
+                             shader_text_of(*entry.material).fragment);
         }
     }
     return html;
@@ -325,7 +325,7 @@ std::string viewer_data() { return common_data(true).dump(-1, ' ', false, Json::
 std::string viewer_material(const PageMaterial& entry) {
     Json data = data_of(entry);
     if (entry.material)
-        data["text"] = text_of(*entry.material).fragment, data["exposure"] = exposure_under_lights(entry.brdf);
+        data["text"] = shader_text_of(*entry.material).fragment, data["exposure"] = exposure_under_lights(entry.brdf);
     return data.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -355,7 +355,7 @@ std::string page_html(const Page& page) {
         {"viewer", filled(k_pictures_text, viewer_parts)},
         {"slices_lead", slices_lead_of(page)},
         {"slices", slices_of(page)},
-        {"table", table_of(page)},
+        {"table", table_html(page)},
         {"table_note", note(page.table_note)},
         {"texts", texts_of(page)},
     };

@@ -108,7 +108,7 @@ class Tracer {
         double size = 0;
         for (const Mesh* mesh : meshes_) {
             const Bounds box = bounds(*mesh);
-            const Vec3d diagonal = to_double(box.most) - to_double(box.least);
+            const Vec3d diagonal = to_double(box.max) - to_double(box.min);
             const double length = std::sqrt(dot(diagonal, diagonal));
             size = size == 0 ? length : std::min(size, length);
         }
@@ -363,14 +363,13 @@ PathPicture render_paths(const PathScene& scene, const PathOptions& options) {
 
 Mesh ground_below(const Mesh& mesh, Vec3d up, double size) {
     const Bounds box = bounds(mesh);
-    const Vec3d least = to_double(box.least), most = to_double(box.most), middle = 0.5 * (least + most),
-                extent = most - least;
+    const Vec3d min = to_double(box.min), max = to_double(box.max), middle = 0.5 * (min + max), extent = max - min;
     const Vec3d n = normalize(up), x = normalize(cross(std::abs(n.x) < 0.7 ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0), n)),
                 y = cross(n, x);
     // The lowest corner of the bounding box along `up`.
     double lowest = 0;
     for (int i = 0; i < 8; ++i) {
-        const Vec3d corner{i & 1 ? most.x : least.x, i & 2 ? most.y : least.y, i & 4 ? most.z : least.z};
+        const Vec3d corner{i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z};
         lowest = std::min(lowest, dot(corner - middle, n));
     }
     const double half = 0.5 * size * std::max({extent.x, extent.y, extent.z});

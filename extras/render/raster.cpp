@@ -105,8 +105,8 @@ std::array<float, 16> to_clip(const RasterView& view, const Bounds& box) {
     const Frame axes = frame(camera);
     double near = HUGE_VAL, far = 0;
     for (int corner = 0; corner < 8; ++corner) {
-        const Vec3d p{corner & 1 ? box.least.x : box.most.x, corner & 2 ? box.least.y : box.most.y,
-                      corner & 4 ? box.least.z : box.most.z};
+        const Vec3d p{corner & 1 ? box.min.x : box.max.x, corner & 2 ? box.min.y : box.max.y,
+                      corner & 4 ? box.min.z : box.max.z};
         const double depth = -dot(p - camera.eye, axes.z);
         near = std::min(near, depth), far = std::max(far, depth);
     }

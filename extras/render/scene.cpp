@@ -30,7 +30,7 @@ Camera camera_of(const Mesh& mesh, const Viewpoint& viewpoint, double aspect) {
 
     const Bounds box = bounds(mesh);
     Camera camera;
-    camera.target = 0.5 * (to_double(box.least) + to_double(box.most));
+    camera.target = 0.5 * (to_double(box.min) + to_double(box.max));
     camera.fov = viewpoint.fov;
     camera.up = to_mesh_axes(
         std::abs(c) > 1e-6 ? Vec3d{0, 1, 0}

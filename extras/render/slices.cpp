@@ -28,12 +28,12 @@ struct Outline {
     std::string path;
     double x = 0, y = 0;
     bool is_drawing = false;
-    void add(double to_x, double to_y, double least_step) {
+    void add(double to_x, double to_y, double min_step) {
         if (!std::isfinite(to_y)) {
             is_drawing = false;
             return;
         }
-        if (is_drawing && std::hypot(to_x - x, to_y - y) < least_step) return;
+        if (is_drawing && std::hypot(to_x - x, to_y - y) < min_step) return;
         path += fmt::format("{}{:.1f} {:.1f}", is_drawing ? 'L' : 'M', to_x, to_y);
         x = to_x, y = to_y, is_drawing = true;
     }
@@ -49,10 +49,10 @@ std::string two_digits(double x) { return fmt::format("{:g}", std::strtod(fmt::f
 /// The powers of ten around positive values, at most `decades` of them.
 struct Decades {
     int lowest = -1, highest = 0;
-    Decades(double least, double most, int decades) {
-        if (!(most > 0)) return;
-        highest = std::max(int(std::ceil(std::log10(most))), int(std::floor(std::log10(least))) + 1);
-        lowest = std::max(int(std::floor(std::log10(least))), highest - decades);
+    Decades(double min, double max, int decades) {
+        if (!(max > 0)) return;
+        highest = std::max(int(std::ceil(std::log10(max))), int(std::floor(std::log10(min))) + 1);
+        lowest = std::max(int(std::floor(std::log10(min))), highest - decades);
     }
     /// The position on the scale: 0 at the lowest power, 1 at the highest; NaN is kept.
     double position(double value) const {
@@ -100,26 +100,26 @@ struct DecadePlot {
 /// The drawing of lobes in polar coordinates: the radius is a value, and the angle is the viewer's.
 struct LobePlot {
     static constexpr double radius = 140, x0 = 180, outside = 1.04;
-    bool is_circle, is_linear;                 // front and back; not logarithmic
-    double most = 0, lowest = 0, highest = 0;  // the largest value, and logarithms at the centre and the outermost ring
+    bool is_circle, is_linear;                // front and back; not logarithmic
+    double max = 0, lowest = 0, highest = 0;  // the largest value, and logarithms at the centre and the outermost ring
 
     LobePlot(const LuminanceSlice& slice, bool both_sides, LobeScale scale)
         : is_circle(both_sides), is_linear(scale == LobeScale::linear) {
         constexpr double counted_theta = 85;
-        double least = std::numeric_limits<double>::infinity();
+        double min = std::numeric_limits<double>::infinity();
         for (std::size_t i = 0; i < slice.degrees.size(); ++i)
             if (const double y = slice.luminance[i];
                 std::abs(std::cos(slice.degrees[i] * k_degree)) >= std::cos(counted_theta * k_degree) && y > 0)
-                most = std::max(most, y), least = std::min(least, y);
-        if (most == 0) most = least = 1;
-        highest = std::log10(most);
+                max = std::max(max, y), min = std::min(min, y);
+        if (max == 0) max = min = 1;
+        highest = std::log10(max);
         // With front and back, the smallest value is still a visible lobe.
-        lowest = std::max(std::min(std::log10(least), highest - 1) - (is_circle ? 1 : 0), highest - k_lobe_decades);
+        lowest = std::max(std::min(std::log10(min), highest - 1) - (is_circle ? 1 : 0), highest - k_lobe_decades);
     }
     double y0() const { return is_circle ? 186 : 190; }
     double height() const { return is_circle ? 366 : 218; }
     double r_of(double y) const {
-        const double position = is_linear ? y / most : (std::log10(std::max(y, 1e-300)) - lowest) / (highest - lowest);
+        const double position = is_linear ? y / max : (std::log10(std::max(y, 1e-300)) - lowest) / (highest - lowest);
         return radius * std::max(position, 0.0);
     }
     double x_of(double r, double degrees) const { return x0 + r * std::sin(degrees * k_degree); }
@@ -140,7 +140,7 @@ struct LobePlot {
         std::string svg;
         const auto add = [&](double r, const std::string& label) { svg += ring(r), labels += ring_label(r, label); };
         if (is_linear)
-            add(radius / 2, two_digits(most / 2)), add(radius, two_digits(most));
+            add(radius / 2, two_digits(max / 2)), add(radius, two_digits(max));
         else
             for (int exponent = int(std::floor(lowest)) + 1; exponent <= highest; ++exponent)
                 add(r_of(std::pow(10.0, exponent)), power_of_ten(exponent));
@@ -149,12 +149,12 @@ struct LobePlot {
                svg_line("axis", x0, is_circle ? y0() + radius : y0(), x0, y0() - radius);
     }
     std::string curve(const SliceCurve& style, const LuminanceSlice& slice, bool is_first) const {
-        constexpr double least_step = 1.5;
+        constexpr double min_step = 1.5;
         Outline outline;
         for (std::size_t i = 0; i < slice.degrees.size(); ++i) {
             const double y = slice.luminance[i], angle = slice.degrees[i];
             const double r = std::isnan(y) ? y : std::min(r_of(y), outside * radius);
-            outline.add(x_of(r, angle), y_of(r, angle), least_step);
+            outline.add(x_of(r, angle), y_of(r, angle), min_step);
         }
         return curve_path(style, outline, is_first);
     }
@@ -187,13 +187,13 @@ LuminanceSlice luminance_slice(const Evaluate& brdf, double theta_l, bool both_s
 std::string slice_drawing(std::span<const SliceCurve> curves, double theta_l) {
     const double light = theta_l / k_degree;
     std::vector<LuminanceSlice> slices;
-    double most = 0, least = std::numeric_limits<double>::infinity();
+    double max = 0, min = std::numeric_limits<double>::infinity();
     for (const SliceCurve& curve : curves) {
         slices.push_back(luminance_slice(curve.brdf, theta_l));
         for (const double y : slices.back().luminance)
-            if (y > 0 && std::isfinite(y)) most = std::max(most, y), least = std::min(least, y);
+            if (y > 0 && std::isfinite(y)) max = std::max(max, y), min = std::min(min, y);
     }
-    const DecadePlot plot{Decades(least, most, k_slice_decades), -90, 90};
+    const DecadePlot plot{Decades(min, max, k_slice_decades), -90, 90};
     const auto x_of = [&](double degrees) { return plot.x_of(degrees); };
     std::string svg = plot.begin(fmt::format("Reflectance for light at {:g}° from the normal", light),
                                  fmt::format("light at {:g}°", light));
@@ -239,13 +239,12 @@ std::vector<Scan> scans_in_plane(const ScatteredSamples& samples) {
 
 std::string scan_drawing(const Scan& scan, std::span<const SliceCurve> models) {
     constexpr double k_around = 1;  // decade
-    constexpr int k_most_decades = 12;
-    double most = 0, least = std::numeric_limits<double>::infinity();
+    constexpr int k_max_decades = 12;
+    double max = 0, min = std::numeric_limits<double>::infinity();
     for (const double y : scan.luminance)
-        if (y > 0 && std::isfinite(y)) most = std::max(most, y), least = std::min(least, y);
+        if (y > 0 && std::isfinite(y)) max = std::max(max, y), min = std::min(min, y);
     const double margin = std::pow(10.0, k_around);
-    const DecadePlot plot{Decades(least / margin, most * margin, k_most_decades), -90 - scan.theta_l,
-                          90 - scan.theta_l};
+    const DecadePlot plot{Decades(min / margin, max * margin, k_max_decades), -90 - scan.theta_l, 90 - scan.theta_l};
     std::string svg = plot.begin(fmt::format("Scan of f for light at {:.3g}° from the normal", scan.theta_l),
                                  fmt::format("light at {:.3g}°", scan.theta_l));
     for (int degrees = int(std::ceil(plot.left / k_tick)) * k_tick; degrees <= plot.right; degrees += k_tick)

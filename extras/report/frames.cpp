@@ -72,7 +72,7 @@ template <typename Draw> FrameTime time_frame(const Draw& draw, bool on_cpu) {
 /// The cost of drawing with a material: the minimum over all frames, separately for each clock, and the size of the
 /// data that a pixel looks up.
 struct FrameCost {
-    FrameTime least;
+    FrameTime min;
     std::size_t data_bytes, auxiliary_bytes;
 };
 
@@ -107,8 +107,8 @@ Result<std::vector<FrameCost>> time_frames(Dialect dialect, bool on_cpu, const S
                 },
                 on_cpu);
             if (round < 0) continue;
-            FrameTime& least = costs[i].least;
-            least = {std::min(least.gpu, time.gpu), std::min(least.wall, time.wall), std::min(least.cpu, time.cpu)};
+            FrameTime& min = costs[i].min;
+            min = {std::min(min.gpu, time.gpu), std::min(min.wall, time.wall), std::min(min.cpu, time.cpu)};
         }
     return costs;
 }
@@ -143,7 +143,7 @@ Result<Done> time_study(Study& study, const StudyOptions& options) {
     Json rows = Json::array();
     for (std::size_t i = 0; i < costs->size(); ++i) {
         const FrameCost& cost = (*costs)[i];
-        const double milliseconds = on_cpu ? cost.least.wall : cost.least.gpu;
+        const double milliseconds = on_cpu ? cost.min.wall : cost.min.gpu;
         rows.push_back({{"id", i == 0 ? "constant" : models[i - 1].id},
                         {"drawn", i == 0                     ? "constant f_r"
                                   : models[i - 1].by_texture ? "by index texture"
@@ -153,7 +153,7 @@ Result<Done> time_study(Study& study, const StudyOptions& options) {
                         {"total_bytes", cost.data_bytes + cost.auxiliary_bytes},
                         {"frames_per_second", 1e3 / milliseconds},
                         {"milliseconds", milliseconds},
-                        {"cpu_milliseconds", cost.least.cpu}});
+                        {"cpu_milliseconds", cost.min.cpu}});
     }
     study.frames = {{"renderer", context->renderer()},
                     {"mesh", options.mesh},

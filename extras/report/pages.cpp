@@ -35,7 +35,7 @@ std::string number(const Json* row, const std::string& column, As as) {
     return entry == row->end() ? "–" : number(*entry, as);
 }
 /// A field as HTML.
-std::string text_of(const Json& row, const char* column) { return html_escaped(field(row.at(column))); }
+std::string cell_html(const Json& row, const char* column) { return html_escaped(field(row.at(column))); }
 
 /// The title of a fit: "multivariate, extended".
 std::string title_of(const Json& fit) {
@@ -64,7 +64,8 @@ std::string measure_column(const std::string& objective, const Json& input) {
 As format_of(const MeasureText& measure) { return measure.is_ratio ? As::percent : As::plain; }
 /// The name of a material as a link to its page.
 std::string link_to(const Json& material) {
-    return fmt::format("<a href='{}/index.html'>{}</a>", text_of(material, "folder"), text_of(material, "material"));
+    return fmt::format("<a href='{}/index.html'>{}</a>", cell_html(material, "folder"),
+                       cell_html(material, "material"));
 }
 /// True if a fit corresponds to one in Table 7.1 of Tsai 2009.
 bool is_of_table(const Json& fit) {
@@ -78,7 +79,7 @@ bool is_of_table(const Json& fit) {
 /// A verdict with its colour.
 std::string verdict_text(const Json& words) {
     std::size_t k = 0;
-    while (k + 1 < k_verdicts && words != srbf::words(Verdict(k))) ++k;
+    while (k + 1 < k_verdicts && words != srbf::name(Verdict(k))) ++k;
     return fmt::format("<span class='verdict v{}'>{}</span>", k, field(words));
 }
 
@@ -142,19 +143,20 @@ const Json* picture_of(const Tables& tables, const Json& material, const char* o
 
 // ---- The first page ----
 
-std::string lead_of(const Tables& tables) {
+std::string lead_html(const Tables& tables) {
     std::string counts;
     for (std::size_t k = 0; k < k_verdicts; ++k)
-        if (const auto rows = rows_with(tables.materials, "verdict", words(Verdict(k))); !rows.empty())
+        if (const auto rows = rows_with(tables.materials, "verdict", name(Verdict(k))); !rows.empty())
             counts +=
-                fmt::format("{}{} for {}", counts.empty() ? "" : ", ", verdict_text(words(Verdict(k))), rows.size());
+                fmt::format("{}{} for {}", counts.empty() ? "" : ", ", verdict_text(name(Verdict(k))), rows.size());
     return counts.empty() ? "" : fmt::format("<p>The difference between measurement and fit is {}.</p>\n", counts);
 }
 
 std::string failed_of(const Tables& tables) {
     std::string html;
     for (const Json* material : rows_with(tables.materials, "status", "failed"))
-        html += fmt::format("<li><b>{}</b>: {}</li>\n", text_of(*material, "material"), text_of(*material, "error"));
+        html +=
+            fmt::format("<li><b>{}</b>: {}</li>\n", cell_html(*material, "material"), cell_html(*material, "error"));
     if (html.empty()) return html;
     return fmt::format("<div class='wrong'>Not shown because of errors:<ul>\n{}</ul></div>\n", html);
 }
@@ -167,15 +169,15 @@ std::string card_of(const Tables& tables, const Json& material) {
         if (const Json* ball = picture_of(tables, material, "ball", role))
             figures +=
                 fmt::format("<figure><img src='{}/{}.jpg' alt='{}' loading='lazy'><figcaption>{}</figcaption></figure>",
-                            text_of(material, "folder"), text_of(*ball, "picture"), role_title(role),
+                            cell_html(material, "folder"), cell_html(*ball, "picture"), role_title(role),
                             role == std::string_view("pm") ? "fitted" : role_title(role));
     const Json& error = fit->at("delta_e_itp");
     return fmt::format(
         "<article class='card' data-error='{}' data-name='{}' data-kind='{}'>\n<a href='{}/index.html'>{}</a>\n"
         "<p>{}</p>\n<p>{}{}</p>\n<p>{}, {} bytes; fitted {} bytes</p></article>\n",
-        error.is_number() ? field(error) : "1e9", text_of(material, "material"), text_of(material, "format"),
-        text_of(material, "folder"), figures, link_to(material), verdict_text(material["verdict"]),
-        error.is_number() ? ": ΔE_ITP " + number(error, As::plain) : "", text_of(material, "format"),
+        error.is_number() ? field(error) : "1e9", cell_html(material, "material"), cell_html(material, "format"),
+        cell_html(material, "folder"), figures, link_to(material), verdict_text(material["verdict"]),
+        error.is_number() ? ": ΔE_ITP " + number(error, As::plain) : "", cell_html(material, "format"),
         number(&material, "source_bytes", As::whole), number(fit, "payload_bytes", As::whole));
 }
 
@@ -183,9 +185,9 @@ std::string card_of(const Tables& tables, const Json& material) {
 std::string verdicts_text() {
     std::string text;
     for (std::size_t k = 0; k < k_verdict_limits.size(); ++k)
-        text += fmt::format("{} up to {:g} and {:g}, ", verdict_text(words(Verdict(k))), k_verdict_limits[k].delta_e,
+        text += fmt::format("{} up to {:g} and {:g}, ", verdict_text(name(Verdict(k))), k_verdict_limits[k].delta_e,
                             k_verdict_limits[k].flip);
-    return text + verdict_text(words(Verdict::other)) + " above";
+    return text + verdict_text(name(Verdict::visible_at_once)) + " above";
 }
 
 /// The roles of the three models that are compared.
@@ -258,7 +260,8 @@ std::string measures_html(const Tables& tables) {
 
 /// A picture in the material's folder: its small form, with a link to the large one.
 std::string picture(const Json& row, const char* column, const std::string& alt) {
-    return fmt::format("<a href='{0}.png'><img src='{0}.jpg' alt='{1}'></a>", text_of(row, column), html_escaped(alt));
+    return fmt::format("<a href='{0}.png'><img src='{0}.jpg' alt='{1}'></a>", cell_html(row, column),
+                       html_escaped(alt));
 }
 
 std::string pictures_of(const Tables& tables, const Json& material) {
@@ -370,7 +373,7 @@ std::string charts_of(const Tables& tables, const Json& material) {
     const char* title = is_table ? "Raw error, held out" : "Dark-part error, held out";
     Chart over_lobes{fmt::format("{}, over the number of lobes J", title), "J", {1, 2, 3, 4, 6, 8, 12, 16}, {}},
         over_bytes{fmt::format("{}, over bytes", title), "bytes", {}, {}};
-    double least_lobes = k_most_view_lobes, most_lobes = 0;
+    double min_lobes = k_max_view_lobes, max_lobes = 0;
     std::string legend;
     for (const ChartCurve& curve : k_curves) {
         const std::string colour = fmt::format("var({})", curve.colour);
@@ -385,21 +388,21 @@ std::string charts_of(const Tables& tables, const Json& material) {
             const std::string text = fmt::format("{}: {}", field(fit->at("id")), field(fit->at(measure)));
             lobes.points.push_back({j, error, text});
             bytes.points.push_back({size, error, text});
-            if (!is_ggx) least_lobes = std::min(least_lobes, j), most_lobes = std::max(most_lobes, j);
+            if (!is_ggx) min_lobes = std::min(min_lobes, j), max_lobes = std::max(max_lobes, j);
         }
         if (lobes.points.empty()) continue;
         legend += key_of(colour, curve.dash, curve.name);
         if (!is_ggx) over_lobes.series.push_back(std::move(lobes));
         over_bytes.series.push_back(std::move(bytes));
     }
-    std::erase_if(over_lobes.x_ticks, [&](double tick) { return tick < least_lobes || tick > most_lobes; });
+    std::erase_if(over_lobes.x_ticks, [&](double tick) { return tick < min_lobes || tick > max_lobes; });
     return fmt::format("<p class='legend'>{}</p>\n<div class='charts'>{}{}</div>", legend, chart_drawing(over_lobes),
                        chart_drawing(over_bytes));
 }
 
 std::string frames_of(const Tables& tables, const Json& material) {
     const Rows rows = rows_with(tables.frames, "material", material["material"]);
-    if (rows.empty()) return fmt::format("<p>No frames were timed: {}</p>", text_of(material, "frames_error"));
+    if (rows.empty()) return fmt::format("<p>No frames were timed: {}</p>", cell_html(material, "frames_error"));
     std::string html;
     for (const Json* frames : rows) {
         const Json* fit = row_with(fits_of(tables, material), "id", frames->at("id"));
@@ -420,17 +423,17 @@ std::string frames_of(const Tables& tables, const Json& material) {
         cells.push_back(fmt::format("{} to {}", number(source, "least_frames_per_second", As::whole),
                                     number(source, "most_frames_per_second", As::whole)));
         html += row(fmt::format("Tsai 2009, {}, {}", source->at("model") == "su" ? "view by view" : "multivariate",
-                                text_of(*source, "renderer")),
+                                cell_html(*source, "renderer")),
                     cells, "tsai");
     }
-    const auto of_first = [&](const char* column) { return number(rows[0], column, As::whole); };
+    const auto first_number = [&](const char* column) { return number(rows[0], column, As::whole); };
     return table({{"model"}, {"J"}, {"N"}, {"bytes read"}, {"auxiliary bytes"}, {"total bytes"}, {"frames per second"}},
                  html) +
            fmt::format(
                "<p class='note'>The fastest of {} frames of {} × {} pixels, three directional lights, the mesh {} ({} "
                "triangles), by {}.</p>",
-               of_first("frames"), of_first("width"), of_first("height"), text_of(*rows[0], "mesh"),
-               of_first("triangles"), text_of(*rows[0], "renderer"));
+               first_number("frames"), first_number("width"), first_number("height"), cell_html(*rows[0], "mesh"),
+               first_number("triangles"), cell_html(*rows[0], "renderer"));
 }
 
 std::string lobes_of(const Tables& tables, const Json& material, const Study& study) {
@@ -451,7 +454,7 @@ std::string lobes_of(const Tables& tables, const Json& material, const Study& st
         legend, linear, logarithmic, scans);
 }
 
-std::string lead_of(const Tables& tables, const Json& material) {
+std::string lead_html(const Tables& tables, const Json& material) {
     const Json *fit = fits_of(tables, material)[0], *default_fit = fit_with_role(tables, material, "pm"),
                error = default_fit == nullptr ? Json() : default_fit->at("delta_e_itp");
     std::string html = fmt::format(
@@ -461,22 +464,22 @@ std::string lead_of(const Tables& tables, const Json& material) {
         error.is_number() ? fmt::format(": ΔE_ITP {} on average, {} in the worst of eight lightings",
                                         number(error, As::plain), number(default_fit, "worst_delta_e_itp", As::plain))
                           : "",
-        text_of(material, "format"), number(&material, "source_bytes", As::whole),
+        cell_html(material, "format"), number(&material, "source_bytes", As::whole),
         material["input"] == "samples" ? number(fit, "samples", As::whole) + " samples as RGB floats"
                                        : "as a matrix of pairs of directions in RGB floats",
         number(fit, "raw_bytes", As::whole), number(&material, "fits", As::whole),
         number(&material, "masked_samples", As::whole), number(&material, "clamped_samples", As::whole));
     for (const Json* failure : rows_with(tables.failures, "material", material["material"]))
-        html +=
-            fmt::format("<p class='wrong'>{} failed: {}</p>\n", text_of(*failure, "id"), text_of(*failure, "error"));
+        html += fmt::format("<p class='wrong'>{} failed: {}</p>\n", cell_html(*failure, "id"),
+                            cell_html(*failure, "error"));
     return html;
 }
 
 std::string exports_of(const Study& study) {
     std::string html;
     for (const Json& file : study.material.at("exports"))
-        html += fmt::format("<a href='{}'{}>{}</a> · ", text_of(file, "file"),
-                            file["file"] == k_page_file ? "" : " download", text_of(file, "what"));
+        html += fmt::format("<a href='{}'{}>{}</a> · ", cell_html(file, "file"),
+                            file["file"] == k_page_file ? "" : " download", cell_html(file, "what"));
     return fmt::format("<p>{}<a href='.'>all models, pictures and the lobes' numbers</a></p>\n", html);
 }
 
@@ -487,18 +490,18 @@ std::string index_html(const Tables& tables) {
     for (const Json* material : by_visible_error(tables)) cards += card_of(tables, *material);
     const std::pair<std::string_view, std::string> gallery[] = {{"cards", cards}, {"verdicts", verdicts_text()}};
     return page("Measured materials and their fits",
-                lead_of(tables) + failed_of(tables) + filled(k_gallery_text, gallery) +
+                lead_html(tables) + failed_of(tables) + filled(k_gallery_text, gallery) +
                     section("All materials", materials_table(tables)) + section("The measures", measures_html(tables)));
 }
 
 std::string material_html(const Tables& tables, const Json& material, const Study& study) {
-    return page(text_of(material, "material"), lead_of(tables, material) + exports_of(study) +
-                                                   pictures_of(tables, material) +
-                                                   section("Sizes, errors, seconds", errors_of(tables, material)) +
-                                                   section("Error over lobes and bytes", charts_of(tables, material)) +
-                                                   section("Lobes", lobes_of(tables, material, study)) +
-                                                   section("Bytes and frames per second", frames_of(tables, material)) +
-                                                   "<p><a href='../index.html'>All materials</a></p>\n");
+    return page(cell_html(material, "material"),
+                lead_html(tables, material) + exports_of(study) + pictures_of(tables, material) +
+                    section("Sizes, errors, seconds", errors_of(tables, material)) +
+                    section("Error over lobes and bytes", charts_of(tables, material)) +
+                    section("Lobes", lobes_of(tables, material, study)) +
+                    section("Bytes and frames per second", frames_of(tables, material)) +
+                    "<p><a href='../index.html'>All materials</a></p>\n");
 }
 
 }  // namespace srbf

@@ -177,13 +177,13 @@ void add_report(CommandLine& app, int& status) {
     add_mesh_options(sub, command->mesh, command->up);
     besides.push_back(sub.add_option("--threads", command->threads, "Total number of threads; 0: all of the machine")
                           .type_name("T")
-                          .check(within(0, k_most_threads))
+                          .check(within(0, k_max_threads))
                           .capture_default_str());
     besides.push_back(
         sub.add_option("--jobs", command->jobs,
                        "Number of materials at a time, which share the threads; 0: one for every four cores")
             .type_name("N")
-            .check(within(0, k_most_threads))
+            .check(within(0, k_max_threads))
             .capture_default_str());
     sub.footer("Example:\n  srbf report materials/*.binary -o report --quick");
     sub.callback([command, sub, besides, &status] {

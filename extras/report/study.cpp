@@ -145,12 +145,12 @@ class StudyMaker {
         return write_file(path("lobes.csv"), as_bytes(csv));
     }
 
-    /// Plots samples in the plane of incidence, for at most `k_most_scans` angles.
+    /// Plots samples in the plane of incidence, for at most `k_max_scans` angles.
     void draw_scans(Study& study, std::span<const SliceCurve> models) {
         const auto* samples = std::get_if<ScatteredSamples>(&std::get<Measured>(drawn_.subjects[0].content).table);
         if (samples == nullptr) return;
         const std::vector<Scan> scans = scans_in_plane(*samples);
-        const std::size_t step = (scans.size() + k_most_scans - 1) / k_most_scans;
+        const std::size_t step = (scans.size() + k_max_scans - 1) / k_max_scans;
         for (std::size_t i = 0; i < scans.size(); i += step)
             study.material["scans"].push_back(scan_drawing(scans[i], models));
     }

@@ -13,7 +13,7 @@ namespace SRBF_NAMESPACE {
 inline constexpr char k_page_file[] = "page.html";
 /// Polar angles of the light in plots of lobes [degrees].
 inline constexpr std::array<double, 3> k_lobe_theta{0, 45, 75};
-inline constexpr std::size_t k_most_scans = 6;  ///< maximum number of scans that are drawn
+inline constexpr std::size_t k_max_scans = 6;  ///< maximum number of scans that are drawn
 
 /// Options of studies.
 struct StudyOptions {

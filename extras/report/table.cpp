@@ -146,10 +146,10 @@ std::string_view verdict_of(const Study& study) {
     for (const Json& fit : study.material.at("fits"))
         if (const Json* picture_errors = judged_pictures(fit); fit["role"] == "pm" && picture_errors != nullptr)
             return errors.delta_e = picture_errors->at("delta_e_itp"), errors.flip = picture_errors->at("flip"),
-                   words(verdict(errors));
+                   name(verdict(errors));
     for (const Json& picture : study.material.at("pictures"))
         if (picture["object"] == "ball" && picture["role"] == "pm") errors.flip = picture["flip"];
-    return words(verdict(errors));
+    return name(verdict(errors));
 }
 
 void add_material(Tables& tables, const MaterialEntry& entry) {

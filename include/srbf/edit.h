@@ -16,11 +16,11 @@ SRBF_BEGIN
 /// for a constant, and about α² or less for facets.
 double spread(const PmModel& model, int lobe);
 /// The share of each lobe that belongs to the body; the rest belongs to the highlight. A lobe whose `spread` is below
-/// `k_most_highlight_spread` is highlight. From `k_least_body_spread` on it is body. Between the two limits there are
+/// `k_max_highlight_spread` is highlight. From `k_min_body_spread` on it is body. Between the two limits there are
 /// three cases. The lobe is highlight if the lobes that are body have less than a twentieth of the albedo. Otherwise it
 /// is body if its chromaticity is less than half as far from the body's as from the highlight's. Otherwise its share is
 /// linear in the spread, from 0 at the first limit to 1 at a spread of 1.
-inline constexpr double k_most_highlight_spread = 0.6, k_least_body_spread = 0.88;
+inline constexpr double k_max_highlight_spread = 0.6, k_min_body_spread = 0.88;
 std::vector<double> body_shares(const PmModel& model);
 
 // The edits. Colours are factors of linear R, G, B.
@@ -78,12 +78,12 @@ struct EditOptions {
 /// reciprocal. The provenance keeps where the model comes from, gets "edits", and loses the errors of the measurement.
 /// Returns an error if the model is not multivariate, if edits of colours or refits get a spectral model, if a number
 /// is out of range, or if it is cancelled.
-Result<Model> edited(const Model& model, std::span<const Edit> edits, const EditOptions& options = {});
+Result<Model> edit_model(const Model& model, std::span<const Edit> edits, const EditOptions& options = {});
 
 /// (1 − mix) a + mix b, with the lobes and variates of both: an exact sum, before coefficients are rounded. Models of
 /// different forms become one of the form that has all their terms; a reciprocal model beside one that is not becomes
 /// twice as many lobes and variates. Returns an error if mix is outside 0..1, if the models are not both multivariate
 /// or have spectra at different wavelengths, or if they have more than 8 variates or 1024 lobes together.
-Result<Model> blended(const Model& a, const Model& b, double mix);
+Result<Model> blend_models(const Model& a, const Model& b, double mix);
 
 SRBF_END

@@ -24,7 +24,7 @@ struct Trial {
     double error = 0;  ///< mean ΔE_ITP for a table; for samples the held-out error that the objective minimises
 };
 
-/// J, the number of lobes of a multivariate model, 1..k_most_fitted_lobes.
+/// J, the number of lobes of a multivariate model, 1..k_max_fitted_lobes.
 struct LobeCount {
     int lobes = row_of(k_default_form).lobes;
 };
@@ -46,13 +46,13 @@ struct PmRequest {
     /// a surface and patches of directions by `extended`. A reciprocal form is fitted to the mean of the signals that
     /// reached the instrument, (cosθv f(ωl, ωv) + cosθl f(ωv, ωl)) / (cosθv + cosθl).
     std::optional<PmForm> form = {};
-    std::optional<int> variates = {};  ///< N, 1..k_most_variates; none: `FormRow::variates`
+    std::optional<int> variates = {};  ///< N, 1..k_max_variates; none: `FormRow::variates`
     std::optional<PmSize> size = {};   ///< none: `FormRow::lobes` for a table, automatic for samples
     std::optional<bool> axial = {};    ///< none: axial if the measurement is isotropic
     /// Limit on the directional albedo of a channel; infinity: there is none. None: 1 in a reciprocal form, infinity in
     /// others.
     std::optional<double> albedo_limit = {};
-    /// The length of the search for lobes as a multiple of the default, k_least_effort..k_most_effort.
+    /// The length of the search for lobes as a multiple of the default, k_min_effort..k_max_effort.
     double effort = 1;
 };
 /// A view-by-view model (SU).
@@ -60,11 +60,11 @@ struct SuRequest {
     static constexpr std::string_view k_name = "su";
     static constexpr std::string_view k_about =
         "scattered univariate SRBFs, a sum of lobes for each of many view directions";
-    int lobes = 8;  ///< J per sampled direction, 1..k_most_view_lobes
+    int lobes = 8;  ///< J per sampled direction, 1..k_max_view_lobes
     Discretise discretise = Discretise::view;
-    int directions = 1536;  ///< n, k_least_views..k_most_views
+    int directions = 1536;  ///< n, k_min_views..k_max_views
     SuInterpolation interpolation = SuInterpolation::rotated;
-    int neighbours = 3;                      ///< K of plain interpolation, 1..k_most_neighbours
+    int neighbours = 3;                      ///< K of plain interpolation, 1..k_max_neighbours
     std::optional<DirectionMap> index = {};  ///< if set, the file contains an index texture with this map
 };
 
@@ -115,7 +115,7 @@ struct FitOutcome {
     /// the samples themselves, `heldout` is the 5-fold cross-validated error, and albedo and pictures are compared with
     /// the samples, gaps filled.
     std::optional<Comparison> errors;
-    /// Picture error between the measurement and its transpose f(wv, wl); a reciprocal fit differs from one of them by
+    /// Picture error between the measurement f(wl, wv) and f(wv, wl); a reciprocal fit differs from one of them by
     /// at least half of it. Empty if the measurement is reciprocal.
     std::optional<Appearance> exchanged;
     /// Picture error of a reciprocal `model` against the mean that it was fitted to.
@@ -187,7 +187,7 @@ struct BsdfOutcome {
     std::vector<PartFit> parts;
     double fit_seconds = 0;
     /// The largest Σ of reflection and transmission of an angle of incidence, measured and fitted.
-    double most_measured = 0, most_fitted = 0;
+    double max_measured = 0, max_fitted = 0;
 };
 
 /// Fits the parts of a two-sided measurement. A part that equals its counterpart, with a squared error ratio of at most

@@ -36,8 +36,8 @@ template <typename T> class Shared {
 /// True if both directions are above the horizon: every component is finite, and z is at least the least normal float,
 /// whether the processor takes subnormal numbers for 0 or not.
 inline bool above_horizon(const Vec3f& wl, const Vec3f& wv) {
-    constexpr float least = std::numeric_limits<float>::min();
-    return wl.z >= least && wv.z >= least && is_finite({wl.x, wl.y, wl.z}) && is_finite({wv.x, wv.y, wv.z});
+    constexpr float min = std::numeric_limits<float>::min();
+    return wl.z >= min && wv.z >= min && is_finite({wl.x, wl.y, wl.z}) && is_finite({wv.x, wv.y, wv.z});
 }
 
 /// True unless a direction of a pair above the horizon has another length than 1, by more than half a per cent. Debug

@@ -127,7 +127,7 @@ struct EvaluatedTable {
     /// f_r [1/sr] as `signed_value` returns it: 0 below the horizon, NaN in every channel where nothing was measured
     Evaluate values;
     bool isotropic = true;
-    std::shared_ptr<const void> table = {};  ///< the format's own table, a T, see `own_table`
+    std::shared_ptr<const void> table = {};  ///< the format's own table, a T, see `table_as`
     std::string_view table_name = {};        ///< T::k_name
     std::shared_ptr<const TableFunctions> functions = {};
 };
@@ -158,7 +158,7 @@ struct Measured {
 /// Exchanges light and viewer: f_r(wl, wv) of the result is f_r(wv, wl) of the argument.
 void exchange(Measured& measured);
 /// The format's own table of a measurement, if it is a `T`; otherwise null.
-template <typename T> const T* own_table(const Measured& measured) {
+template <typename T> const T* table_as(const Measured& measured) {
     const auto* evaluated = std::get_if<EvaluatedTable>(&measured.table);
     return evaluated && evaluated->table_name == T::k_name ? static_cast<const T*>(evaluated->table.get()) : nullptr;
 }

@@ -33,7 +33,7 @@ class ProgressToken {
     void cancel() const;
     bool cancelled() const;
     /// The token of a stage that accounts for the work from `begin` to `end` of this one.
-    ProgressToken part(double begin, double end) const;
+    ProgressToken subrange(double begin, double end) const;
 
   private:
     struct State;

@@ -76,9 +76,9 @@ std::string proposal_text(int parts = 1);
 /// The densities from which the light is drawn: one mixture for a BRDF, one for each part of a BSDF in the order of
 /// `Part`.
 struct Proposals {
-    std::vector<MixtureProposal> of_part;
-    Proposals(const MixtureProposal& of_brdf) : of_part{of_brdf} {}
-    explicit Proposals(std::vector<MixtureProposal> of_parts) : of_part(std::move(of_parts)) {}
+    std::vector<MixtureProposal> by_part;
+    Proposals(const MixtureProposal& single) : by_part{single} {}
+    explicit Proposals(std::vector<MixtureProposal> several) : by_part(std::move(several)) {}
 };
 /// The mixtures for a BSDF's parts; `bsdf` is asked at the front and the back.
 Proposals propose_parts(const Evaluate& bsdf, const ProposeOptions& options);

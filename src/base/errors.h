@@ -28,11 +28,11 @@ inline Error no_data_error(std::string source, std::string what, std::string exp
     return {std::move(source), {}, std::move(what), std::move(expected), "none", ErrorCode::no_data};
 }
 
-/// Returns an error unless least ≤ found ≤ most.
+/// Returns an error unless min ≤ found ≤ max.
 template <typename Number>
-Result<Done> require_range(const char* source, const char* what, Number found, Number least, Number most) {
-    if (found >= least && found <= most) return Done{};
-    return argument_error(source, what, fmt::format("{} to {}", least, most), fmt::format("{}", found));
+Result<Done> require_range(const char* source, const char* what, Number found, Number min, Number max) {
+    if (found >= min && found <= max) return Done{};
+    return argument_error(source, what, fmt::format("{} to {}", min, max), fmt::format("{}", found));
 }
 
 SRBF_END

@@ -63,7 +63,7 @@ int write_and_close(Descriptor& file, const WriteContent& content, bool durable)
 }
 
 std::string folder_of(const std::string& path) {
-    const std::string folder = system::text_of(system::path_of(path).parent_path());
+    const std::string folder = system::path_text(system::path_of(path).parent_path());
     return folder.empty() ? "." : folder;
 }
 
@@ -89,8 +89,8 @@ class FolderLock {
 /// A new file next to `target` with a unique name.
 Descriptor create_beside(const std::string& target, unsigned mode, std::string& name) {
     for (int attempt = 0;; ++attempt) {
-        name = system::text_of(system::path_of(target).parent_path() /
-                               fmt::format(".srbf-{}-{}.tmp", system::process(), attempt));
+        name = system::path_text(system::path_of(target).parent_path() /
+                                 fmt::format(".srbf-{}-{}.tmp", system::process(), attempt));
         const int number = open_file(name, O_WRONLY | O_CREAT | O_EXCL, mode);
         if (number >= 0 || errno != EEXIST) return Descriptor(number);
     }
@@ -103,8 +103,8 @@ std::string target_of(const std::string& path) {
     if (!std::filesystem::is_symlink(link, unresolved)) return path;
     const bool leads_somewhere = std::filesystem::exists(link, unresolved);
     const std::string target =
-        system::text_of(leads_somewhere ? std::filesystem::canonical(link, unresolved)
-                                        : link.parent_path() / std::filesystem::read_symlink(link, unresolved));
+        system::path_text(leads_somewhere ? std::filesystem::canonical(link, unresolved)
+                                          : link.parent_path() / std::filesystem::read_symlink(link, unresolved));
     return unresolved || target.empty() ? path : target;
 }
 
@@ -164,20 +164,20 @@ class Replacement {
     std::string path_, target_, temporary_;
 };
 
-/// The bytes of an open file, to its end or one byte beyond `most`.
-Result<std::vector<std::byte>> read_open(const Descriptor& file, const std::string& path, const MostBytes& most) {
+/// The bytes of an open file, to its end or one byte beyond `max`.
+Result<std::vector<std::byte>> read_open(const Descriptor& file, const std::string& path, const MaxBytes& max) {
     system::Status status;
     if (system::status(file.number(), status) != 0) return cannot_read(path, reason(errno));
     if (S_ISDIR(status.st_mode)) return cannot_read(path, "a folder");
     const auto too_large = [&path] { return cannot_read(path, fmt::format("more than {} bytes", k_largest_file)); };
     const std::uint64_t size = S_ISREG(status.st_mode) ? std::uint64_t(status.st_size) : 0;
-    if (size > k_largest_file && !most) return too_large();
+    if (size > k_largest_file && !max) return too_large();
 
     // One byte more than expected detects the end of the file. The size of a pipe is unknown, and its buffer grows.
     const auto expected = [&](std::uint64_t limit) { return std::size_t(std::min(size, limit) + 1); };
-    std::uint64_t limit = most ? k_head_bytes : k_largest_file;
+    std::uint64_t limit = max ? k_head_bytes : k_largest_file;
     std::vector<std::byte> bytes(size > 0 ? expected(limit) : 1 << 16);
-    bool is_head_complete = !most;
+    bool is_head_complete = !max;
     for (std::size_t filled = 0;;) {
         const auto count =
             uninterrupted([&] { return system::read(file.number(), bytes.data() + filled, bytes.size() - filled); });
@@ -185,7 +185,7 @@ Result<std::vector<std::byte>> read_open(const Descriptor& file, const std::stri
         filled += std::size_t(count);
         if (!is_head_complete && filled >= k_head_bytes) {
             is_head_complete = true;
-            limit = std::min(most(std::span(bytes).first(k_head_bytes)), k_largest_file);
+            limit = std::min(max(std::span(bytes).first(k_head_bytes)), k_largest_file);
             if (limit == k_largest_file && size > limit) return too_large();
             if (filled <= limit && size > filled) bytes.resize(std::max(filled, expected(limit)));
         }
@@ -225,11 +225,11 @@ int Descriptor::close() {
 
 Result<std::vector<std::byte>> read_file(const std::string& path) { return read_file(path, {}); }
 
-Result<std::vector<std::byte>> read_file(const std::string& path, const MostBytes& most) {
+Result<std::vector<std::byte>> read_file(const std::string& path, const MaxBytes& max) {
     return within_memory(path, [&]() -> Result<std::vector<std::byte>> {
         const Descriptor file(open_file(path, O_RDONLY));
         if (file.number() < 0) return cannot_read(path, reason(errno));
-        return read_open(file, path, most);
+        return read_open(file, path, max);
     });
 }
 

@@ -15,16 +15,16 @@ inline constexpr std::uint64_t k_largest_file = std::uint64_t(1) << 34;
 inline constexpr std::size_t k_head_bytes = std::size_t(1) << 20;
 
 /// Returns the largest size of a file that begins with `head`, its first `k_head_bytes`.
-using MostBytes = std::function<std::uint64_t(std::span<const std::byte> head)>;
+using MaxBytes = std::function<std::uint64_t(std::span<const std::byte> head)>;
 /// The whole file if its first bytes are of a known format, otherwise these bytes only.
-template <typename IsKnown> MostBytes all_if(const IsKnown& is_known) {
+template <typename IsKnown> MaxBytes all_if(const IsKnown& is_known) {
     return [is_known](std::span<const std::byte> head) { return is_known(head) ? k_largest_file : head.size(); };
 }
 
-/// The bytes of the file at `path`; of one that is larger than `most` allows, the beginning alone, so that input of no
+/// The bytes of the file at `path`; of one that is larger than `max` allows, the beginning alone, so that input of no
 /// known format is not read to its end. Returns an error if the file is missing, a folder, unreadable, larger than
 /// `k_largest_file` or too large for the memory.
-Result<std::vector<std::byte>> read_file(const std::string& path, const MostBytes& most);
+Result<std::vector<std::byte>> read_file(const std::string& path, const MaxBytes& max);
 
 /// The error where memory runs out.
 Error out_of_memory_error(std::string source);

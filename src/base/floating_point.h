@@ -14,7 +14,8 @@ namespace SRBF_NAMESPACE {
 ///
 /// A mode that flushes subnormal floats (below 2⁻¹²⁶) to 0 would be faster. But x86 detects them after rounding, ARM
 /// before, and WebAssembly has no such mode. Fits would depend on the processor, since lobes are as small far from
-/// their peaks, and steps are scaled by derivatives there. columns.cpp keeps subnormal numbers out of its sums instead.
+/// their peaks, and steps are scaled by derivatives there. simd_columns.cpp keeps subnormal numbers out of its sums
+/// instead.
 class StandardArithmetic {
   public:
     StandardArithmetic() : before_(get()) { set(k_standard); }

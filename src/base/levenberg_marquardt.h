@@ -64,7 +64,7 @@ Eigen::VectorXd damped_step(const P& problem, const Eigen::MatrixXd& damped, con
 template <SeparableProblem P>
 LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
                                               const LevenbergMarquardtOptions& options) {
-    constexpr double k_most_damping = 1e10;
+    constexpr double k_max_damping = 1e10;
     LevenbergMarquardtSummary summary;
     Eigen::MatrixXd H;
     Eigen::VectorXd g;
@@ -80,7 +80,7 @@ LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
         fix_at_bounds(x, lower, upper, H, g);
         const Eigen::VectorXd scale = H.diagonal().cwiseMax(floor);
         bool lowered = false;
-        while (mu < k_most_damping && !lowered) {
+        while (mu < k_max_damping && !lowered) {
             Eigen::MatrixXd damped = H;
             damped.diagonal() += mu * scale;
             const Eigen::VectorXd step = damped_step(problem, damped, g, lower - x, upper - x, problem.longest_step(x),
@@ -112,7 +112,7 @@ LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
             const int left = options.max_iterations - summary.iterations;
             if (summary.iterations == 1 || summary.loss - left * decrease <= options.target) continue;
             summary.stop = Stop::target;
-        } else if (mu >= k_most_damping) {
+        } else if (mu >= k_max_damping) {
             summary.stop = Stop::step;
         }
         break;

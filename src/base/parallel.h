@@ -13,8 +13,8 @@ namespace SRBF_NAMESPACE {
 
 /// Runs body() on `threads` threads; 0: all of the machine. More threads than it has are not used.
 template <typename Body> void on_threads(int threads, const Body& body) {
-    const int most = tbb::info::default_concurrency();
-    tbb::task_arena(threads > 0 ? std::min(threads, most) : most).execute([&] {
+    const int max = tbb::info::default_concurrency();
+    tbb::task_arena(threads > 0 ? std::min(threads, max) : max).execute([&] {
         const StandardArithmetic mode;
         body();
     });
@@ -39,13 +39,13 @@ template <typename Body> void parallel_for(std::size_t count, int threads, const
     on_threads(threads, [&] { parallel_for(count, body); });
 }
 
-constexpr std::size_t part_count(std::size_t count, std::size_t size) { return (count + size - 1) / size; }
+constexpr std::size_t chunk_count(std::size_t count, std::size_t size) { return (count + size - 1) / size; }
 /// Calls body(begin, end) for parts of 0..count−1 of the given size; the last one may be smaller.
-template <typename Body> void parallel_for_parts(std::size_t count, std::size_t size, const Body& body) {
-    parallel_for(part_count(count, size), [&](std::size_t i) { body(i * size, std::min((i + 1) * size, count)); });
+template <typename Body> void parallel_for_chunks(std::size_t count, std::size_t size, const Body& body) {
+    parallel_for(chunk_count(count, size), [&](std::size_t i) { body(i * size, std::min((i + 1) * size, count)); });
 }
-template <typename Body> void parallel_for_parts(std::size_t count, std::size_t size, int threads, const Body& body) {
-    on_threads(threads, [&] { parallel_for_parts(count, size, body); });
+template <typename Body> void parallel_for_chunks(std::size_t count, std::size_t size, int threads, const Body& body) {
+    on_threads(threads, [&] { parallel_for_chunks(count, size, body); });
 }
 
 }  // namespace srbf

@@ -133,6 +133,6 @@ std::string grouped(std::uint64_t n) {
     return digits;
 }
 
-std::string ValueRange::text() const { return least > most ? "none" : fmt::format("{:.4g} to {:.4g}", least, most); }
+std::string ValueRange::text() const { return min > max ? "none" : fmt::format("{:.4g} to {:.4g}", min, max); }
 
 }  // namespace srbf

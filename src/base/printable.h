@@ -40,11 +40,11 @@ std::string grouped(std::uint64_t n);
 
 /// The smallest and the largest of numbers; NaNs are ignored.
 struct ValueRange {
-    float least = std::numeric_limits<float>::infinity(), most = -least;
+    float min = std::numeric_limits<float>::infinity(), max = -min;
     void add(float x) {
         if (x != x) return;
-        least = std::min(least, x);
-        most = std::max(most, x);
+        min = std::min(min, x);
+        max = std::max(max, x);
     }
     /// "0.1 to 23", with four digits; "none" if there are no numbers.
     std::string text() const;

@@ -32,7 +32,7 @@ void ProgressToken::cancel() const {
 
 bool ProgressToken::cancelled() const { return state_ && state_->cancelled; }
 
-ProgressToken ProgressToken::part(double begin, double end) const {
+ProgressToken ProgressToken::subrange(double begin, double end) const {
     ProgressToken part = *this;
     part.begin_ = begin_ + length_ * begin;
     part.length_ = length_ * (end - begin);

@@ -16,8 +16,8 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::uint64_t k_length_bytes = 8;
-constexpr std::size_t k_most_tensors = 64, k_most_extents = 8;
-constexpr std::uint64_t k_most_header_bytes = std::uint64_t(1) << 20;
+constexpr std::size_t k_max_tensors = 64, k_max_extents = 8;
+constexpr std::uint64_t k_max_header_bytes = std::uint64_t(1) << 20;
 constexpr int k_deepest = 3;  ///< levels of JSON in a header: the numbers of a shape are deepest
 
 /// The entries of a header, from the events of nlohmann's parser, and the members of each as texts. (Values of
@@ -88,7 +88,7 @@ std::optional<std::vector<std::uint64_t>> counts_in(std::string_view text) {
     std::vector<std::uint64_t> counts;
     for (auto word = next_word(text, "[, ]"); !word.empty(); word = next_word(text, "[, ]")) {
         const auto count = to_number<std::uint64_t>(word);
-        if (!count || counts.size() == k_most_extents) return {};
+        if (!count || counts.size() == k_max_extents) return {};
         counts.push_back(*count);
     }
     return counts;
@@ -104,8 +104,8 @@ Result<std::map<std::string, HeaderReader::Entry>> parse_header(std::string_view
     const bool is_complete = Json::sax_parse(text.begin(), text.end(), &header);
     if (header.is_too_deep) return refuse("header", fmt::format("at most {} levels of JSON", k_deepest), "more");
     if (!is_complete || !header.is_object) return refuse("header", "a JSON object", "something else");
-    if (header.entries.size() > k_most_tensors)
-        return refuse("number of tensors", fmt::format("at most {}", k_most_tensors),
+    if (header.entries.size() > k_max_tensors)
+        return refuse("number of tensors", fmt::format("at most {}", k_max_tensors),
                       fmt::format("{}", header.entries.size()));
     return std::move(header.entries);
 }
@@ -195,9 +195,9 @@ Result<std::uint64_t> header_length(std::span<const std::byte> bytes, const std:
         return Error{
             file_name, {}, "input", "a fitted model", "a measurement (RGL tensor file)", ErrorCode::wrong_kind};
     const std::uint64_t length = little_endian_64(bytes),
-                        most = std::min<std::uint64_t>(bytes.size() - k_length_bytes, k_most_header_bytes);
-    if (length <= most) return length;
-    return Error{file_name, 0, "header length", fmt::format("at most {}", most), fmt::format("{}", length)};
+                        max = std::min<std::uint64_t>(bytes.size() - k_length_bytes, k_max_header_bytes);
+    if (length <= max) return length;
+    return Error{file_name, 0, "header length", fmt::format("at most {}", max), fmt::format("{}", length)};
 }
 
 std::string shape_text(const std::vector<std::uint64_t>& shape) { return fmt::format("[{}]", fmt::join(shape, ", ")); }
@@ -225,12 +225,12 @@ Result<Done> check_tensors(const std::map<std::string, Tensor16>& tensors,
     return Done{};
 }
 
-Result<Shape2> shape_of_bandwidths(const std::map<std::string, Tensor16>& tensors, Shape2 least, Shape2 most,
+Result<Shape2> shape_of_bandwidths(const std::map<std::string, Tensor16>& tensors, Shape2 min, Shape2 max,
                                    const std::string& expected, const std::string& file_name) {
     const auto bandwidth = tensors.find("bandwidth");
     if (bandwidth == tensors.end()) return Error{file_name, {}, "tensor 'bandwidth'", "present", "none"};
     const auto& shape = bandwidth->second.shape;
-    if (shape.size() == 2 && shape[0] >= least[0] && shape[1] >= least[1] && shape[0] <= most[0] && shape[1] <= most[1])
+    if (shape.size() == 2 && shape[0] >= min[0] && shape[1] >= min[1] && shape[0] <= max[0] && shape[1] <= max[1])
         return Shape2{shape[0], shape[1]};
     return Error{file_name, {}, "tensor 'bandwidth': shape", expected, shape_text(shape)};
 }

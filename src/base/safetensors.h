@@ -27,9 +27,9 @@ struct TensorShape {
 Result<Done> check_tensors(const std::map<std::string, Tensor16>& tensors,
                            const std::map<std::string, TensorShape>& expected, const std::string& file_name);
 /// The shape [A, B] of the tensor 'bandwidth', which determines the shapes of a model's other tensors. Returns an
-/// error, in which `expected` states the limits, unless `least` ≤ [A, B] ≤ `most`.
+/// error, in which `expected` states the limits, unless `min` ≤ [A, B] ≤ `max`.
 using Shape2 = std::array<std::uint64_t, 2>;
-Result<Shape2> shape_of_bandwidths(const std::map<std::string, Tensor16>& tensors, Shape2 least, Shape2 most,
+Result<Shape2> shape_of_bandwidths(const std::map<std::string, Tensor16>& tensors, Shape2 min, Shape2 max,
                                    const std::string& expected, const std::string& file_name);
 /// "[2, 3]".
 std::string shape_text(const std::vector<std::uint64_t>& shape);

@@ -60,12 +60,12 @@ inline std::string_view next_word(std::string_view& line, std::string_view separ
 }
 
 /// Splits a line of CSV into fields without surrounding blanks and quotes. A separator within quotes does not separate
-/// fields. Fields after the first `k_most_fields`, which no table has, are ignored.
-inline constexpr std::size_t k_most_fields = 1 << 16;
+/// fields. Fields after the first `k_max_fields`, which no table has, are ignored.
+inline constexpr std::size_t k_max_fields = 1 << 16;
 inline void split_fields(std::string_view line, std::vector<std::string_view>& fields, char separator = ',') {
     fields.clear();
     bool quoted = false;
-    for (std::size_t end = 0, begin = 0; end <= line.size() && fields.size() < k_most_fields; ++end) {
+    for (std::size_t end = 0, begin = 0; end <= line.size() && fields.size() < k_max_fields; ++end) {
         if (end < line.size() && line[end] == '"') quoted = !quoted;
         if (end < line.size() && (quoted || line[end] != separator)) continue;
         std::string_view field = trimmed(line.substr(begin, end - begin));

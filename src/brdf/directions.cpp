@@ -31,9 +31,9 @@ void find_nearest(std::span<const Vec3f> directions, Vec3f w, std::span<std::uin
         std::size_t index;
         auto operator<=>(const Found&) const = default;
     };
-    constexpr std::size_t k_most = 16;
-    assert(nearest.size() <= k_most && !nearest.empty());
-    std::array<Found, k_most> found;
+    constexpr std::size_t k_max = 16;
+    assert(nearest.size() <= k_max && !nearest.empty());
+    std::array<Found, k_max> found;
     std::size_t count = 0;
     const auto ends_search = [&](std::size_t i) {
         const float dz = directions[i].z - w.z;
@@ -188,12 +188,12 @@ Quadrature albedo_quadrature(Vec3d wv, double theta_max, int count) {
                      k_first_azimuth = 1e-4;
     if (wv.z >= k_grazing) return with_cosines(MirrorMixture(theta_max).quadrature(wv, count));
     Quadrature points;
-    const double least = elementary::cos(theta_max), sine = std::sqrt(1 - wv.z * wv.z);
-    std::vector<double> cosine{least, 1}, azimuth{0, k_pi / 2};
+    const double min = elementary::cos(theta_max), sine = std::sqrt(1 - wv.z * wv.z);
+    std::vector<double> cosine{min, 1}, azimuth{0, k_pi / 2};
     for (double s = 1; s < 1 / k_first_azimuth; s *= k_growth) {
         for (const double z :
              {wv.z - k_first_of_cosine * s * wv.z, wv.z + k_first_of_cosine * s * wv.z, k_first_at_horizon * s, wv.z})
-            if (z > least && z < 1 && (z != wv.z || s == 1)) cosine.push_back(z);
+            if (z > min && z < 1 && (z != wv.z || s == 1)) cosine.push_back(z);
         azimuth.push_back(k_first_azimuth * s);
     }
     const auto azimuths = gauss_legendre(azimuth);
@@ -218,9 +218,9 @@ std::array<double, 3> weighted_sum(std::span<const Rgb> f, std::span<const doubl
 }
 
 bool is_in_plane(Vec3f wl, Vec3f wv) {
-    constexpr float k_most = 0.01f;
+    constexpr float k_max = 0.01f;
     const float sin_l = elementary::hypot(wl.x, wl.y), cross = wl.x * wv.y - wl.y * wv.x;
-    return std::abs(cross) <= k_most * sin_l || sin_l <= k_most;
+    return std::abs(cross) <= k_max * sin_l || sin_l <= k_max;
 }
 
 }  // namespace srbf

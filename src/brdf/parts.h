@@ -31,11 +31,11 @@ constexpr float side_of_viewer(Part part) { return is_back(part) != is_transmiss
 constexpr Vec3f to_side(Vec3f w, float side) { return {w.x, w.y, side * w.z}; }
 
 /// The BRDF that has the values of a part.
-template <typename B> struct Answering {
+template <typename B> struct PartSource {
     const B* brdf = nullptr;  ///< null: 0
     bool exchanged = false;   ///< true if it is evaluated at (wv, wl)
 };
-template <typename B> Answering<B> answering(const Parts<B>& parts, Part part) {
+template <typename B> PartSource<B> part_source(const Parts<B>& parts, Part part) {
     if (const B* stored = parts[std::size_t(part)].get()) return {stored, false};
     return {parts[std::size_t(counterpart(part))].get(), is_transmission(part)};
 }
@@ -46,7 +46,7 @@ template <typename B> bool is_known(const Parts<B>& parts, const Beams& beams, P
     return has(part) || has(counterpart(part));
 }
 /// The beams of all parts: a reflection that has neither f nor a beam has the beam of the other side.
-template <typename B> Beams completed(const Parts<B>& parts, Beams beams) {
+template <typename B> Beams complete_beams(const Parts<B>& parts, Beams beams) {
     for (const std::size_t p : {0, 1})
         if (!parts[p] && beams[p].empty()) beams[p] = beams[1 - p];
     return beams;
@@ -56,9 +56,9 @@ template <typename B> Beams completed(const Parts<B>& parts, Beams beams) {
 template <typename B> Rgb value(const Parts<B>& parts, Vec3f wl, Vec3f wv) {
     const auto at = to_part_frame(wl, wv);
     if (!at) return {};
-    const Answering<B> answer = answering(parts, at->part);
-    if (!answer.brdf) return {};
-    return answer.exchanged ? value(*answer.brdf, at->wv, at->wl) : value(*answer.brdf, at->wl, at->wv);
+    const PartSource<B> used = part_source(parts, at->part);
+    if (!used.brdf) return {};
+    return used.exchanged ? value(*used.brdf, at->wv, at->wl) : value(*used.brdf, at->wl, at->wv);
 }
 
 /// f on arrays of pairs; `each(brdf, wl, wv, f)` evaluates one of the parts.
@@ -76,17 +76,17 @@ void evaluate(const Parts<B>& parts, std::span<const Vec3f> wl, std::span<const 
         where[part].push_back(i), lights[part].push_back(at->wl), views[part].push_back(at->wv);
     }
     for (std::size_t part = 0; part < k_parts; ++part) {
-        const Answering<B> answer = answering(parts, Part(part));
-        if (!answer.brdf || where[part].empty()) continue;
+        const PartSource<B> used = part_source(parts, Part(part));
+        if (!used.brdf || where[part].empty()) continue;
         std::vector<Rgb> values(where[part].size());
         const std::span<const Vec3f> l(lights[part]), v(views[part]);
-        each(*answer.brdf, answer.exchanged ? v : l, answer.exchanged ? l : v, std::span<Rgb>(values));
+        each(*used.brdf, used.exchanged ? v : l, used.exchanged ? l : v, std::span<Rgb>(values));
         for (std::size_t i = 0; i < values.size(); ++i) f[where[part][i]] = values[i];
     }
 }
 
 /// The largest numbers of rings, and of nodes of a ring, in a file.
-inline constexpr std::size_t k_most_beam_rings = 256, k_most_beam_nodes = 2048;
+inline constexpr std::size_t k_max_beam_rings = 256, k_max_beam_nodes = 2048;
 /// The names of beams in files. `transmission` is the beam of both transmissions if there is no `transmission_back`.
 inline constexpr std::array<std::string_view, k_parts> k_beam_names{"reflection_front", "reflection_back",
                                                                     "transmission", "transmission_back"};

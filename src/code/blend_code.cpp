@@ -8,7 +8,7 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-constexpr const char* k_weights[k_most_blended] = {"weights.x", "weights.y", "weights.z"};
+constexpr const char* k_weights[k_max_blended] = {"weights.x", "weights.y", "weights.z"};
 
 /// Σ weight · NAME_`call` as statements; materials of weight 0 are not evaluated.
 std::string sum_text(std::span<const NamedModel> models, const char* type, const char* zero, const char* call) {
@@ -30,7 +30,7 @@ std::string sample_text(std::span<const NamedModel> models, const std::string& t
     return text + "    return Vec3(Real(0.0), Real(0.0), Real(0.0));\n";
 }
 
-std::string text_of(std::span<const NamedModel> models, const CodeOptions& options) {
+std::string print_blend(std::span<const NamedModel> models, const CodeOptions& options) {
     constexpr const char* black = "Vec3(Real(0.0), Real(0.0), Real(0.0))";
     std::string shares, total;
     for (std::size_t k = 0; k < models.size(); ++k) {
@@ -61,14 +61,14 @@ Result<std::string> blend_code(std::span<const NamedModel> models, std::string_v
     const auto refuse = [](const char* what, const char* expected, std::string found) {
         return Error{"blend code", {}, what, expected, std::move(found), ErrorCode::argument};
     };
-    if (models.size() < 2 || models.size() > k_most_blended)
+    if (models.size() < 2 || models.size() > k_max_blended)
         return refuse("models", "two or three", std::to_string(models.size()));
     std::string stubs;
     for (const NamedModel& named : models) {
         if (std::holds_alternative<BsdfModel>(named.model->model)) return refuse("models", "BRDFs", "a BSDF");
         stubs += brdf_stubs(named.name);
     }
-    return print_functions({.name = std::string(prefix), .stubs = stubs}, {}, text_of(models, options),
+    return print_functions({.name = std::string(prefix), .stubs = stubs}, {}, print_blend(models, options),
                            options.language, defined);
 }
 

@@ -5,7 +5,7 @@
 
 namespace SRBF_NAMESPACE {
 
-inline constexpr std::size_t k_most_blended = 3;
+inline constexpr std::size_t k_max_blended = 3;
 
 /// The functions of `CodeOptions::blend`, which follow the functions of the models. Returns an error unless there are
 /// two or three models, all of them BRDFs, or if `defined` has one of the names.

@@ -19,10 +19,10 @@ struct Call {
     bool exchanged = false;
 };
 Call call_of(const BsdfModel& bsdf, Part part, bool sampling) {
-    const Answering<Model> answer = answering(bsdf.part, part);
-    if (!answer.brdf) return {};
-    const bool is_own = bsdf.part[std::size_t(part)] != nullptr || (sampling && answer.exchanged);
-    return {std::string(name(is_own ? part : counterpart(part))), answer.exchanged && !is_own};
+    const PartSource<Model> used = part_source(bsdf.part, part);
+    if (!used.brdf) return {};
+    const bool is_own = bsdf.part[std::size_t(part)] != nullptr || (sampling && used.exchanged);
+    return {std::string(name(is_own ? part : counterpart(part))), used.exchanged && !is_own};
 }
 
 constexpr const char* k_black = "Vec3(Real(0.0), Real(0.0), Real(0.0))";
@@ -277,8 +277,8 @@ PartModels part_models(const NamedModel& named, bool sampling) {
 Result<std::string> bsdf_code(const NamedModel& named, const CodeOptions& options, DefinedNames& defined) {
     const BsdfModel& bsdf = bsdf_of(named);
     Program program;
-    std::string text =
-        value_text(bsdf, options.sampling) + beams_text(completed(bsdf.part, bsdf.beam), options.language, program);
+    std::string text = value_text(bsdf, options.sampling) +
+                       beams_text(complete_beams(bsdf.part, bsdf.beam), options.language, program);
     if (options.sampling) text += chance_text(bsdf) + sampling_text(bsdf) + density_text(bsdf);
     return print_functions({named.name, part_stubs(bsdf, options.sampling), named.name + "_"}, std::move(program), text,
                            options.language, defined);

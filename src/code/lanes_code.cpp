@@ -42,7 +42,7 @@ struct KernelProgram {
     syntax::Program program;
     std::vector<std::string> supplied;
     KernelProgram() {
-        std::map<std::string, std::string> defines{{"SRBF_MAX_VARIATES", std::to_string(k_most_variates)},
+        std::map<std::string, std::string> defines{{"SRBF_MAX_VARIATES", std::to_string(k_max_variates)},
                                                    {"SRBF_TERMS", std::to_string(k_terms.size())}};
         syntax::parse(k_supplied, program, defines);
         for (const syntax::Function& function : program.functions) supplied.push_back(function.name);
@@ -86,7 +86,7 @@ std::string kernel_in_c(const std::vector<std::string>& functions, const std::st
     syntax::specialise(program, roots);
     for (const auto& structure : program.structures) names[structure.name] = prefix + structure.name;
     for (const auto& function : program.functions) names.try_emplace(function.name, prefix + function.name);
-    auto printer = has_lanes ? syntax::Printer::of_lanes(names) : syntax::Printer(CodeLanguage::c, names);
+    auto printer = has_lanes ? syntax::Printer::for_lanes(names) : syntax::Printer(CodeLanguage::c, names);
     std::string text;
     const auto add = [&](auto& definition) {
         definition.comment.clear();
@@ -153,7 +153,7 @@ std::string value_in_c(const PmModel& model) {
 std::string mixture_in_c(const MixtureProposal& mixture) {
     std::string nodes;
     for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
-        std::vector<float> numbers = numbers_of(mixture, node, true);
+        std::vector<float> numbers = node_numbers(mixture, node, true);
         numbers.resize(MixtureProposal::k_components + k_shape_numbers);
         nodes += "        {\n" + rows_in_c(numbers) + "        },\n";
     }

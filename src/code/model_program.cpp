@@ -67,7 +67,7 @@ Table lobes_of(const PmModel& model, ParameterStorage storage) {
     return lobes;
 }
 
-std::string numbers_of(const PmModel& model, ParameterStorage storage, Program& program) {
+std::string numbers_code(const PmModel& model, ParameterStorage storage, Program& program) {
     const LobeRow row(model, storage);
     Table weights{"The weights a, b of each variate.", "variates", {}, 2};
     for (const auto& [a, b] : model.parameterization)
@@ -113,7 +113,7 @@ std::string numbers_of(const PmModel& model, ParameterStorage storage, Program& 
 
 /// The accessors of a view-by-view model, whose numbers (`shading_data`) the host supplies.
 constexpr std::size_t k_view_numbers = 3, k_view_lobe_numbers = 7;
-std::string numbers_of(const SuModel& model, Program& program) {
+std::string numbers_code(const SuModel& model, Program& program) {
     const std::size_t J = std::size_t(model.lobes), row = k_view_numbers + k_view_lobe_numbers * J;
     program.tables.push_back(
         {fmt::format(
@@ -234,7 +234,7 @@ std::string mixture_numbers_text(const MixtureProposal& mixture, const CodeOptio
         {},
         has_facets ? k_node_numbers : MixtureProposal::k_lobes + k_shape_numbers};
     for (std::size_t node = 0; options.sampling && node < MixtureProposal::k_nodes; ++node) {
-        const std::vector<float> numbers = numbers_of(mixture, node, has_facets);
+        const std::vector<float> numbers = node_numbers(mixture, node, has_facets);
         nodes.numbers.insert(nodes.numbers.end(), numbers.begin(), numbers.end());
     }
     defines["MIXTURE_COMPONENTS"] =
@@ -272,14 +272,14 @@ struct ModelText {
     int variates = 1, terms = 1;
     std::string handle = "struct Pm { };\n";
 };
-ModelText text_of(const Model& model, CodeLanguage language, ParameterStorage storage, Program& program) {
+ModelText print_model(const Model& model, CodeLanguage language, ParameterStorage storage, Program& program) {
     ModelText text{.brdf = brdf_of(model, language, storage, program)};
     if (const auto* pm = std::get_if<PmModel>(&model.model)) {
-        text.accessors = numbers_of(*pm, storage, program), text.kernel = k_pm_text;
+        text.accessors = numbers_code(*pm, storage, program), text.kernel = k_pm_text;
         text.variates = pm->variates, text.terms = std::max(features(pm->form), 1);
         if (storage == ParameterStorage::arguments) text.handle = coefficients_of(*pm), text.brdf += look_up_text(*pm);
     } else if (const auto* su = std::get_if<SuModel>(&model.model)) {
-        text.accessors = numbers_of(*su, program), text.kernel = k_su_text;
+        text.accessors = numbers_code(*su, program), text.kernel = k_su_text;
     }
     return text;
 }
@@ -304,7 +304,7 @@ std::string albedo_text(CodeLanguage language) {
 Program program_of(const Model& model, const CodeOptions& options, const std::vector<std::string>& roots,
                    const AddedCode& added, ParameterStorage storage) {
     Program program;
-    const ModelText model_text = text_of(model, options.language, storage, program);
+    const ModelText model_text = print_model(model, options.language, storage, program);
     std::map<std::string, std::string> defines{{"SRBF_MAX_VARIATES", std::to_string(model_text.variates)},
                                                {"SRBF_TERMS", std::to_string(model_text.terms)},
                                                {"MIXTURE_NODES", std::to_string(MixtureProposal::k_nodes)},

@@ -30,8 +30,8 @@ std::span<const CodeFeature> code_features();
 /// A text of whole materials that an extra prints, beside the languages.
 struct CodeModule {
     std::string_view name, summary;
-    bool of_parts = true;  ///< each part of a BSDF is a material of its own
-    /// The text of models, with the parts of BSDFs if `of_parts`. Returns an error if `shading_code` does.
+    bool by_part = true;  ///< each part of a BSDF is a material of its own
+    /// The text of models, with the parts of BSDFs if `by_part`. Returns an error if `shading_code` does.
     Result<std::string> (*text)(std::span<const NamedModel> models, std::string_view prefix, int threads);
     /// The text of a map, whose coefficients are in the KTX 2 file `file` beside it. Returns an error if `map_code`
     /// does. Null if the module has no maps.

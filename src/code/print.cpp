@@ -219,7 +219,7 @@ Printer::Printer(CodeLanguage language, std::map<std::string, std::string> names
     : Printer(row_of(language), std::move(names)) {}
 Printer::Printer(const Language& language, std::map<std::string, std::string> names)
     : language_(language), names_(std::move(names)) {}
-Printer Printer::of_lanes(std::map<std::string, std::string> names) { return {lanes_of_c(), std::move(names)}; }
+Printer Printer::for_lanes(std::map<std::string, std::string> names) { return {lanes_of_c(), std::move(names)}; }
 
 std::string digits(float number) {
     std::string text = fmt::format("{}", number);

@@ -18,7 +18,7 @@ class Printer {
   public:
     Printer(CodeLanguage language, std::map<std::string, std::string> names);
     /// C whose numbers are srbf_x (code/runtime/runtime_lanes.h): conditions on them choose lane by lane.
-    static Printer of_lanes(std::map<std::string, std::string> names);
+    static Printer for_lanes(std::map<std::string, std::string> names);
 
     std::string text(const Structure& structure);
     std::string text(const Table& table);

@@ -14,7 +14,7 @@ namespace SRBF_NAMESPACE {
 namespace {
 
 /// The items of a list in C, with commas, in lines of 120 columns.
-std::string rows_of(const std::vector<std::string>& items) {
+std::string join_rows(const std::vector<std::string>& items) {
     std::string rows, row;
     for (const std::string& item : items) {
         if (row.size() + item.size() > 114) rows += "    " + row + "\n", row.clear();
@@ -38,22 +38,22 @@ std::string observer_text() {
         "#define SRBF_FIRST_NM {}\n#define SRBF_LAST_NM {}\n"
         "// R, G, B of a spectrum that is 1 within 1 nm, every 5 nm, in millionths.\n"
         "static const short srbf_observer[{}] = {{\n{}}};\n\n",
-        first, last, numbers.size(), rows_of(numbers));
+        first, last, numbers.size(), join_rows(numbers));
 }
 
 std::string parameters_text() {
     std::vector<std::string> rows;
     const OpenPbrModel defaults;
     for (const OpenPbrParameter& row : k_openpbr_parameters)
-        rows.push_back(fmt::format("{{\"{}\", {}f, {}f, {}f, {}}}", row.name, syntax::digits(row.least),
-                                   syntax::digits(row.most), syntax::digits(number(defaults, row, 0)), row.count()));
+        rows.push_back(fmt::format("{{\"{}\", {}f, {}f, {}f, {}}}", row.name, syntax::digits(row.min),
+                                   syntax::digits(row.max), syntax::digits(number(defaults, row, 0)), row.count()));
     return fmt::format(
         "// The parameters of surfaces: name, range, default and count of numbers.\n"
         "#define SRBF_PARAMETERS {}\n"
         "typedef struct {{\n    const char* name;\n    float least, most, by_default;\n    int count;\n}} "
         "srbf_parameter;\n"
         "static const srbf_parameter srbf_parameters[SRBF_PARAMETERS] = {{\n{}}};\n\n",
-        k_openpbr_parameters.size(), rows_of(rows));
+        k_openpbr_parameters.size(), join_rows(rows));
 }
 
 }  // namespace
@@ -65,7 +65,7 @@ std::string runtime_code() {
     std::set<std::string> known;
     const std::string lobes = lobes_in_c(known), mixtures = mixtures_in_c(known);
     return k_runtime_interface_text + syntax::definitions_of_c() +
-           fmt::format("#define SRBF_MOST_VARIATES {}\n\n", k_most_variates) + lobes + mixtures + k_runtime_host_text +
+           fmt::format("#define SRBF_MOST_VARIATES {}\n\n", k_max_variates) + lobes + mixtures + k_runtime_host_text +
            kernel_in_c(functions, "srbf_", false, known) + observer_text() + parameters_text() + k_runtime_files_text +
            k_runtime_models_text + k_runtime_preparation_text + k_runtime_functions_text;
 }

@@ -73,8 +73,8 @@ const char* kernel_text(const Material& material) {
                                                        : "";
 }
 /// The code that precedes material.glsl.
-template <typename M> std::string code_of(const M&) { return {}; }
-template <OfFewNumbers M> std::string code_of(const M& formula) {
+template <typename M> std::string value_code(const M&) { return {}; }
+template <OfFewNumbers M> std::string value_code(const M& formula) {
     const Model model{formula, {}};
     std::size_t count = 0;
     const std::string statements = formula_text(model, [&](float, auto, auto) {
@@ -84,8 +84,8 @@ template <OfFewNumbers M> std::string code_of(const M& formula) {
     return fmt::format("uniform vec4 {}[{}];\nVec3 model_value(Vec3 wl, Vec3 wv) {{\n{}}}\n", uniform_name(model),
                        (count + 3) / 4, statements);
 }
-std::string code_of(const BsdfTables& tables) { return beam_code("material", tables.beam, CodeLanguage::glsl); }
-std::string code_of(const BsdfModel& bsdf) {
+std::string value_code(const BsdfTables& tables) { return beam_code("material", tables.beam, CodeLanguage::glsl); }
+std::string value_code(const BsdfModel& bsdf) {
     const Model model{bsdf, {}};
     const auto code = shading_code(std::vector<NamedModel>{{"material", &model}}, "material");
     assert(code.ok());  // only view-by-view models are errors
@@ -106,7 +106,7 @@ std::string version_text(Dialect dialect) {
 
 std::string brdf_text(const Material& material) {
     const std::string macro_text = std::visit([](const auto& content) { return macros(content); }, material);
-    const std::string code = std::visit([](const auto& content) { return code_of(content); }, material);
+    const std::string code = std::visit([](const auto& content) { return value_code(content); }, material);
     return fmt::format("#define SIDES {}\n", is_two_sided(material) ? 2 : 1) + macro_text + k_host_text +
            k_common_text + kernel_text(material) + code + k_material_text;
 }
@@ -127,9 +127,9 @@ Proposals propose_parts(const Evaluate& bsdf, const ProposeOptions& options) {
 
 ProposalNumbers proposal_numbers(const Proposals& proposals) {
     ProposalNumbers all;
-    for (const MixtureProposal& proposal : proposals.of_part) {
+    for (const MixtureProposal& proposal : proposals.by_part) {
         for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
-            const std::vector<float> numbers = numbers_of(proposal, node, true);
+            const std::vector<float> numbers = node_numbers(proposal, node, true);
             all.nodes.insert(all.nodes.end(), numbers.begin(), numbers.end());
             all.nodes.resize(all.nodes.size() + std::size_t(4 * k_node_vectors) - numbers.size());
         }
@@ -213,7 +213,7 @@ std::vector<Float4> merl_texels(const BsdfTables& tables) {
     std::vector<Float4> texels;
     for (std::size_t part = 0; part < k_parts; ++part) {
         // Light and viewer need not be exchanged, since tables are reciprocal.
-        if (const MerlTable* table = answering(tables.part, Part(part)).brdf) {
+        if (const MerlTable* table = part_source(tables.part, Part(part)).brdf) {
             const auto table_texels = merl_texels(*table);
             texels.insert(texels.end(), table_texels.begin(), table_texels.end());
         } else {

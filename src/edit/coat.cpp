@@ -46,7 +46,7 @@ class Layer {
   public:
     Layer(const Evaluate& base, const Coat& coat) : coat_(coat) {
         for (int ring = 0; ring < Rings::k_count; ++ring) passed_.push_back(transmitted_at(Rings::angle(ring)));
-        Harmonics of_base = harmonics(base);
+        Harmonics base_harmonics = harmonics(base);
         // Light that the base reflects returns from the interface, and is reflected again: B R B + B R B R B + .. Each
         // return rotates the direction to the light by half a turn.
         Eigen::VectorXd returned(Rings::k_count);
@@ -54,7 +54,7 @@ class Layer {
             returned[ring] = Rings::projected(ring) * (1 - escaping(elementary::cos(Rings::angle(ring))));
         for (std::size_t m = 0; m < k_harmonics; ++m)
             for (std::size_t c = 0; c < 3; ++c) {
-                const Eigen::MatrixXd& once = of_base[m][c];
+                const Eigen::MatrixXd& once = base_harmonics[m][c];
                 const Eigen::MatrixXd again = (m % 2 ? -1.0 : 1.0) * once * returned.asDiagonal();
                 const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(Rings::k_count, Rings::k_count) - again;
                 repeated_[m][c] = (m ? 2 : 1) * rest.partialPivLu().solve(again * once);
@@ -128,18 +128,18 @@ class Layer {
         const MirrorMixture mixture(k_pi / 2);
         Harmonics all;
         for (auto& term : all) term.fill(Eigen::MatrixXd::Zero(Rings::k_count, Rings::k_count));
-        for (int of_v = 0; of_v < Rings::k_count; ++of_v) {
-            const Vec3d v = spherical(Rings::angle(of_v), 0.0);
+        for (int ring_v = 0; ring_v < Rings::k_count; ++ring_v) {
+            const Vec3d v = spherical(Rings::angle(ring_v), 0.0);
             const Quadrature light = mixture.quadrature(v, k_light_directions);
             const std::vector<Rgb> f = values_towards(base, light.w, to_float(v));
             for (std::size_t i = 0; i < f.size(); ++i) {
                 const double theta = elementary::acos(double(light.w[i].z));
-                const int of_l = std::min(int(theta / (k_pi / 2) * Rings::k_count), Rings::k_count - 1);
-                const double weight = light.weight[i] * double(light.w[i].z) / Rings::projected(of_l);
+                const int ring_l = std::min(int(theta / (k_pi / 2) * Rings::k_count), Rings::k_count - 1);
+                const double weight = light.weight[i] * double(light.w[i].z) / Rings::projected(ring_l);
                 const double phi = elementary::atan2(double(light.w[i].y), double(light.w[i].x));
                 for (std::size_t m = 0; m < k_harmonics; ++m)
                     for (int c = 0; c < 3; ++c)
-                        all[m][std::size_t(c)](of_l, of_v) +=
+                        all[m][std::size_t(c)](ring_l, ring_v) +=
                             weight * double(f[i][c]) * elementary::cos(double(m) * phi);
             }
         }
@@ -155,7 +155,7 @@ class Layer {
 
 }  // namespace
 
-Evaluate coated(Evaluate base, const Coat& coat) {
+Evaluate apply_coat(Evaluate base, const Coat& coat) {
     auto layer = std::make_shared<const Layer>(base, coat);
     return [layer, base = std::move(base)](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
         std::vector<Vec3f> l(wl.size()), v(wl.size());

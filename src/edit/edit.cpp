@@ -22,14 +22,14 @@ constexpr double k_noted_excess = 1.001;
 template <typename... F> struct Cases : F... { using F::operator()...; };
 
 std::string text(const Rgb& colour) { return fmt::format("{:g},{:g},{:g}", colour.r, colour.g, colour.b); }
-double least(const Rgb& c) { return double(std::min({c.r, c.g, c.b})); }
+double min(const Rgb& c) { return double(std::min({c.r, c.g, c.b})); }
 
 Result<Done> validate(const Edit& edit) {
     const auto require = [](const char* what, double found, double low, double high) {
         return require_range("edit", what, found, low, high);
     };
     const auto require_colour = [](const char* what, const Rgb& found, double high) -> Result<Done> {
-        if (is_finite(found) && least(found) >= 0 && largest_of(found) <= high) return Done{};
+        if (is_finite(found) && min(found) >= 0 && largest_of(found) <= high) return Done{};
         return argument_error("edit", what, fmt::format("0 to {:g} in each channel", high), text(found));
     };
     return std::visit(
@@ -48,20 +48,20 @@ Result<Done> validate(const Edit& edit) {
               },
               [&](const Rotate& rotate) { return require("turn of the tangent", rotate.degrees, -360, 360); },
               [&](const Reduce& reduce) {
-                  return require_range("edit", "number of lobes", reduce.lobes, 1, k_most_fitted_lobes);
+                  return require_range("edit", "number of lobes", reduce.lobes, 1, k_max_fitted_lobes);
               }},
         edit);
 }
 
 /// The sum of highlight and body as a function, with the highlight widened.
-Evaluate roughened(const HighlightAndBody& parts, double factor) {
+Evaluate apply_roughening(const HighlightAndBody& parts, double factor) {
     const auto highlight = evaluator(parts.highlight);
-    Evaluate wide = roughened(highlight, factor, roughness_of(highlight));
+    Evaluate wide = apply_roughening(highlight, factor, roughness_of(highlight));
     return [wide, body = evaluator(parts.body)](auto wl, auto wv, auto f) {
-        std::vector<Rgb> of_body(f.size());
-        wide(wl, wv, f), body(wl, wv, of_body);
+        std::vector<Rgb> body_values(f.size());
+        wide(wl, wv, f), body(wl, wv, body_values);
         for (std::size_t i = 0; i < f.size(); ++i)
-            for (int c = 0; c < 3; ++c) f[i][c] += of_body[i][c];
+            for (int c = 0; c < 3; ++c) f[i][c] += body_values[i][c];
     };
 }
 
@@ -76,18 +76,18 @@ struct Editor {
     Result<PmModel> fit(const Evaluate& f, const PmModel& model, double factor, int lobes) {
         const PmModel begin[] = {model, widened(model, factor)};
         asked = bound.excess(f);
-        return refit(f, begin, options.lobes.value_or(std::min(lobes, k_most_fitted_lobes)), bound.limit(), options);
+        return refit(f, begin, options.lobes.value_or(std::min(lobes, k_max_fitted_lobes)), bound.limit(), options);
     }
 
     Result<PmModel> operator()(const PmModel& model, const Roughen& roughen) {
         if (roughen.factor == 1) return model;
-        return fit(roughened(separated(model), roughen.factor), model, roughen.factor, model.lobes);
+        return fit(apply_roughening(separate_highlight(model), roughen.factor), model, roughen.factor, model.lobes);
     }
     /// The tint, with factors above 1 reduced until the albedo is within the limit up to 75° from the normal. If single
     /// lobes were lowered instead, the hue would change.
     Tint within_limit(const PmModel& model, const Tint& wanted) const {
         if (largest_of(wanted.highlight) <= 1 && largest_of(wanted.body) <= 1) return wanted;
-        const HighlightAndBody parts = separated(model);
+        const HighlightAndBody parts = separate_highlight(model);
         const std::array<Evaluate, 2> f{evaluator(parts.highlight), evaluator(parts.body)};
         const std::array<Rgb, 2> tint{wanted.highlight, wanted.body};
         double share = 1;
@@ -116,16 +116,16 @@ struct Editor {
         return saturated(model, saturate.factor);
     }
     Result<PmModel> operator()(const PmModel& model, const TurnHue& turn) const {
-        return turned(model, turn.degrees * k_degree);
+        return turn_hue(model, turn.degrees * k_degree);
     }
     Result<PmModel> operator()(const PmModel& model, const Coat& coat) {
         // Light that passes the interface twice is spread like light from facets of this slope below it.
         const double slope = coat.roughness * (1 - 1 / coat.ior) / std::sqrt(2.0);
-        const HighlightAndBody parts = separated(model);
+        const HighlightAndBody parts = separate_highlight(model);
         const double roughness = roughness_of(evaluator(parts.highlight));
         const double factor = roughness > 0 ? std::min(elementary::hypot(1, slope / roughness), 10.0) : 1;
-        return fit(coated(factor > 1 ? roughened(parts, factor) : evaluator(PmModel(model)), coat), model, factor,
-                   model.lobes + k_lobes_of_coat);
+        return fit(apply_coat(factor > 1 ? apply_roughening(parts, factor) : evaluator(PmModel(model)), coat), model,
+                   factor, model.lobes + k_lobes_of_coat);
     }
     Result<PmModel> operator()(const PmModel& model, const Rotate& rotate) const {
         return rotated(model, rotate.degrees * k_degree);
@@ -189,7 +189,7 @@ std::string text(const Edit& edit) {
                       edit);
 }
 
-Result<Model> edited(const Model& model, std::span<const Edit> edits, const EditOptions& options) {
+Result<Model> edit_model(const Model& model, std::span<const Edit> edits, const EditOptions& options) {
     const StandardArithmetic mode;
     const auto pm = require_pm(model);
     if (!pm) return pm.error();
@@ -211,7 +211,7 @@ Result<Model> edited(const Model& model, std::span<const Edit> edits, const Edit
             add(result.provenance["limited"],
                 fmt::format("{}, with an albedo of {:.3g}, to {}", text(edit), limit * asked,
                             editor.done.empty() ? fmt::format("an albedo of {:.3g}", limit) : editor.done));
-        next = in_halves(lowered_to(bound, *std::move(next)), "edit");
+        next = in_halves(limit_albedo(bound, *std::move(next)), "edit");
         if (!next) return next.error();
         now = *std::move(next);
         add(done, text(edit));
@@ -220,16 +220,16 @@ Result<Model> edited(const Model& model, std::span<const Edit> edits, const Edit
     return result;
 }
 
-Result<Model> blended(const Model& a, const Model& b, double mix) {
+Result<Model> blend_models(const Model& a, const Model& b, double mix) {
     const StandardArithmetic mode;
     if (const auto valid = require_range("blend", "mix", mix, 0.0, 1.0); !valid) return valid.error();
-    const auto of_a = require_pm(a), of_b = require_pm(b);
-    if (!of_a || !of_b) return (of_a ? of_b : of_a).error();
-    if ((*of_a)->wavelength != (*of_b)->wavelength)
+    const auto pm_a = require_pm(a), pm_b = require_pm(b);
+    if (!pm_a || !pm_b) return (pm_a ? pm_b : pm_a).error();
+    if ((*pm_a)->wavelength != (*pm_b)->wavelength)
         return argument_error("blend", "models", "the same wavelengths, or colours", "different wavelengths");
-    PmModel sum = joined(scaled(**of_a, float(1 - mix)), scaled(**of_b, float(mix)));
-    for (const auto& valid : {require_range("blend", "variates of both", sum.variates, 1, k_most_variates),
-                              require_range("blend", "lobes of both", sum.lobes, 1, k_most_lobes)})
+    PmModel sum = join_lobes(scaled(**pm_a, float(1 - mix)), scaled(**pm_b, float(mix)));
+    for (const auto& valid : {require_range("blend", "variates of both", sum.variates, 1, k_max_variates),
+                              require_range("blend", "lobes of both", sum.lobes, 1, k_max_lobes)})
         if (!valid) return valid.error();
     auto mixed = in_halves(sum, "blend");
     if (!mixed) return mixed.error();

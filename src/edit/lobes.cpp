@@ -2,7 +2,7 @@
 
 #include "brdf/directions.h"
 #include "brdf/values.h"
-#include "observe/bound.h"
+#include "observe/excess.h"
 
 namespace SRBF_NAMESPACE {
 
@@ -19,7 +19,7 @@ Reflected reflected(const PmModel& model, int lobe) {
     const PmModel alone = only_lobe(model, lobe);
     const MirrorMixture mixture(k_pi / 2);
     Reflected total{};
-    double across = 0, of_lambert = 0;
+    double across = 0, lambert_across = 0;
     for (const double theta : k_views) {
         const Vec3d wv = spherical(theta, 0.0);
         const Quadrature light = mixture.quadrature(wv, k_light_directions);
@@ -32,18 +32,18 @@ Reflected reflected(const PmModel& model, int lobe) {
             albedo += weight * value, across += weight * value * squared_sine, mean += weight / k_pi * squared_sine;
             for (int c = 0; c < 3; ++c) total.albedo[c] += float(weight) * f[i][c];
         }
-        of_lambert += albedo * mean;
+        lambert_across += albedo * mean;
     }
-    total.spread = of_lambert > 0 ? across / of_lambert : 0;
+    total.spread = lambert_across > 0 ? across / lambert_across : 0;
     return total;
 }
 
 /// The distance of the chromaticities of two colours; large if one is black.
 double chromatic_distance(const Rgb& a, const Rgb& b) {
-    const double of_a = 3 * mean_of(a), of_b = 3 * mean_of(b);
-    if (!(of_a > 0 && of_b > 0)) return 10;
+    const double sum_a = 3 * mean_of(a), sum_b = 3 * mean_of(b);
+    if (!(sum_a > 0 && sum_b > 0)) return 10;
     double sum = 0;
-    for (int c = 0; c < 3; ++c) sum += elementary::square(double(a[c]) / of_a - double(b[c]) / of_b);
+    for (int c = 0; c < 3; ++c) sum += elementary::square(double(a[c]) / sum_a - double(b[c]) / sum_b);
     return std::sqrt(sum);
 }
 
@@ -67,13 +67,13 @@ PmModel with_variate(PmModel model, Parameterization variate) {
 
 /// Adds the lobes of `b`, whose variate n is number place[n] of the model.
 void append_lobes(PmModel& model, const PmModel& b, std::span<const std::size_t> place) {
-    const auto N = std::size_t(model.variates), of_b = std::size_t(b.variates);
+    const auto N = std::size_t(model.variates), variates_b = std::size_t(b.variates);
     for (std::size_t j = 0; j < std::size_t(b.lobes); ++j) {
         const std::size_t first = model.bandwidth.size();
         model.centre.resize(first + N, Vec3f(0, 0, 1)), model.bandwidth.resize(first + N);
-        for (std::size_t n = 0; n < of_b; ++n) {
-            model.centre[first + place[n]] = b.centre[j * of_b + n];
-            model.bandwidth[first + place[n]] = b.bandwidth[j * of_b + n];
+        for (std::size_t n = 0; n < variates_b; ++n) {
+            model.centre[first + place[n]] = b.centre[j * variates_b + n];
+            model.bandwidth[first + place[n]] = b.bandwidth[j * variates_b + n];
         }
     }
     const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
@@ -88,7 +88,7 @@ PmModel as_two_halves(const PmModel& model, PmForm form) {
     half.form = form;
     PmModel other = half;
     exchange(other);
-    return joined(std::move(half), std::move(other));
+    return join_lobes(std::move(half), std::move(other));
 }
 
 PmModel in_form(PmModel model, PmForm form) {
@@ -113,41 +113,41 @@ PmForm common_form(PmForm a, PmForm b) {
 double spread(const PmModel& model, int lobe) { return reflected(model, lobe).spread; }
 
 std::vector<double> body_shares(const PmModel& model) {
-    constexpr double k_much_nearer = 0.5, k_least_share_of_body = 0.05;
+    constexpr double k_much_nearer = 0.5, k_min_share_of_body = 0.05;
     std::vector<Reflected> lobes;
     Rgb highlight, body, all;
     for (int j = 0; j < model.lobes; ++j) {
         const Reflected& lobe = lobes.emplace_back(reflected(model, j));
-        Rgb* const part = lobe.spread >= k_least_body_spread      ? &body
-                          : lobe.spread < k_most_highlight_spread ? &highlight
-                                                                  : nullptr;
+        Rgb* const part = lobe.spread >= k_min_body_spread       ? &body
+                          : lobe.spread < k_max_highlight_spread ? &highlight
+                                                                 : nullptr;
         for (int c = 0; c < 3; ++c) {
             all[c] += lobe.albedo[c];
             if (part) (*part)[c] += lobe.albedo[c];
         }
     }
-    const bool has_body = mean_of(body) >= k_least_share_of_body * mean_of(all);
+    const bool has_body = mean_of(body) >= k_min_share_of_body * mean_of(all);
     std::vector<double> shares;
     for (const Reflected& lobe : lobes) {
         const bool has_its_colour =
             chromatic_distance(lobe.albedo, body) < k_much_nearer * chromatic_distance(lobe.albedo, highlight);
-        const double linear = (lobe.spread - k_most_highlight_spread) / (1 - k_most_highlight_spread);
+        const double linear = (lobe.spread - k_max_highlight_spread) / (1 - k_max_highlight_spread);
         const double between = !has_body ? 0 : has_its_colour ? 1 : linear;
-        shares.push_back(lobe.spread >= k_least_body_spread ? 1 : lobe.spread < k_most_highlight_spread ? 0 : between);
+        shares.push_back(lobe.spread >= k_min_body_spread ? 1 : lobe.spread < k_max_highlight_spread ? 0 : between);
     }
     return shares;
 }
 
-HighlightAndBody separated(const PmModel& model) {
-    const std::vector<double> of_body = body_shares(model);
-    return {with_colours(model, [&](std::size_t j, const Rgb& beta) { return scaled(float(1 - of_body[j]), beta); }),
-            with_colours(model, [&](std::size_t j, const Rgb& beta) { return scaled(float(of_body[j]), beta); })};
+HighlightAndBody separate_highlight(const PmModel& model) {
+    const std::vector<double> body_share = body_shares(model);
+    return {with_colours(model, [&](std::size_t j, const Rgb& beta) { return scaled(float(1 - body_share[j]), beta); }),
+            with_colours(model, [&](std::size_t j, const Rgb& beta) { return scaled(float(body_share[j]), beta); })};
 }
 
 PmModel tinted(PmModel model, const Tint& tint) {
-    const std::vector<double> of_body = body_shares(model);
+    const std::vector<double> body_share = body_shares(model);
     return with_colours(std::move(model), [&](std::size_t j, const Rgb& beta) {
-        const Rgb by = of_body[j] < 1 ? mixed(tint.highlight, tint.body, float(of_body[j])) : tint.body;
+        const Rgb by = body_share[j] < 1 ? mixed(tint.highlight, tint.body, float(body_share[j])) : tint.body;
         return Rgb{beta.r * by.r, beta.g * by.g, beta.b * by.b};
     });
 }
@@ -159,7 +159,7 @@ PmModel saturated(PmModel model, double factor) {
     });
 }
 
-PmModel turned(PmModel model, double hue) {
+PmModel turn_hue(PmModel model, double hue) {
     const auto cosine = float(elementary::cos(hue)), sine = float(elementary::sin(hue) / std::sqrt(3.0));
     return with_colours(std::move(model), [&](std::size_t, const Rgb& beta) {
         // The difference to grey is rotated about (1, 1, 1) by Rodrigues' formula.
@@ -186,10 +186,10 @@ PmModel scaled(PmModel model, float factor) {
 }
 
 PmModel widened(PmModel model, double factor) {
-    const std::vector<double> of_body = body_shares(model);
+    const std::vector<double> body_share = body_shares(model);
     const auto N = std::size_t(model.variates), F = std::size_t(features(model.form));
-    for (std::size_t j = 0; j < of_body.size(); ++j) {
-        if (of_body[j] > 0.5) continue;
+    for (std::size_t j = 0; j < body_share.size(); ++j) {
+        if (body_share[j] > 0.5) continue;
         for (std::size_t i = j * N; i < (j + 1) * N; ++i)
             model.bandwidth[i] = float(double(model.bandwidth[i]) / (factor * factor));
         for (std::size_t k = 2; k < F; ++k)  // γ and σ, of features linear in the slope
@@ -198,7 +198,7 @@ PmModel widened(PmModel model, double factor) {
     return model;
 }
 
-PmModel joined(PmModel a, PmModel b) {
+PmModel join_lobes(PmModel a, PmModel b) {
     const PmForm form = common_form(a.form, b.form);
     a = in_form(std::move(a), form), b = in_form(std::move(b), form);
     a.axial = a.axial && b.axial;

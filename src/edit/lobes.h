@@ -8,11 +8,11 @@ namespace SRBF_NAMESPACE {
 struct HighlightAndBody {
     PmModel highlight, body;
 };
-HighlightAndBody separated(const PmModel& model);
+HighlightAndBody separate_highlight(const PmModel& model);
 
 PmModel tinted(PmModel model, const Tint& tint);
 PmModel saturated(PmModel model, double factor);
-PmModel turned(PmModel model, double hue);     ///< [rad]
+PmModel turn_hue(PmModel model, double hue);   ///< [rad]
 PmModel rotated(PmModel model, double angle);  ///< [rad]
 /// All coefficients times `factor`.
 PmModel scaled(PmModel model, float factor);
@@ -20,8 +20,8 @@ PmModel scaled(PmModel model, float factor);
 /// the highlight's lobes are changed.
 PmModel widened(PmModel model, double factor);
 
-/// The lobes of both. Variates that both have are shared; the result may have more than k_most_variates.
-PmModel joined(PmModel a, PmModel b);
+/// The lobes of both. Variates that both have are shared; the result may have more than k_max_variates.
+PmModel join_lobes(PmModel a, PmModel b);
 
 /// α of the GGX facets that have the highlight's median slope of half vectors, with light and viewer 30° from the half
 /// vector and across its tilt, where masking hardly matters; 0 if the highlight is black.
@@ -32,10 +32,10 @@ double roughness_of(const Evaluate& highlight);
 /// with facets = D G / (4 cosθl cosθv) of GGX, and (l₀, v₀) about the half vector of h's azimuth and its slope over
 /// `factor`, at the same l·h and, as far as both are above the horizon, the same azimuth about it. For GGX facets with
 /// roughness α the result is exactly GGX with `factor` α. It is symmetric if f is.
-Evaluate roughened(Evaluate highlight, double factor, double roughness);
+Evaluate apply_roughening(Evaluate highlight, double factor, double roughness);
 
 /// The surface `base` under a coat, see `Coat`.
-Evaluate coated(Evaluate base, const Coat& coat);
+Evaluate apply_coat(Evaluate base, const Coat& coat);
 
 /// Fits `lobes` lobes to f. It begins with the best of the models `begin`, at least one, all of one form and
 /// parameterization: without the least useful lobes if it has more, and with the best of many random ones if it has

@@ -46,7 +46,7 @@ Result<PmModel> refit(const Evaluate& f, std::span<const PmModel> begin, int lob
     fit.albedo_limit = albedo_limit, fit.threads = options.threads;
     std::optional<Beginning> best;
     on_threads(options.threads, [&] {
-        const Rows rows(first_pairs(*observations, k_pairs_of_beginning));
+        const PackedObservations rows(first_pairs(*observations, k_pairs_of_beginning));
         LobeProblem problem(rows, shape_of(fit), true);
         for (const PmModel& model : begin) {
             Beginning next = beginning_of(model, lobes, shape_of(fit), problem);

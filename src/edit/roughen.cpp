@@ -44,7 +44,7 @@ double roughness_of(const Evaluate& highlight) {
     return slope[std::size_t(std::ranges::lower_bound(share, 0.5 * sum) - share.begin())];
 }
 
-Evaluate roughened(Evaluate highlight, double factor, double roughness) {
+Evaluate apply_roughening(Evaluate highlight, double factor, double roughness) {
     return
         [=, highlight = std::move(highlight)](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
             std::vector<Vec3f> from_l(wl.size()), from_v(wl.size());

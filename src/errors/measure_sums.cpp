@@ -82,7 +82,7 @@ ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const
                      const TransformedValues& other) {
     constexpr Doubles d;
     const DoubleBatch one = hn::Set(d, 1.0);
-    const double most_apart = -elementary::log(k_least_share);
+    const double max_apart = -elementary::log(k_min_share);
     HWY_ALIGN double error_lanes[k_measures.size()][k_lanes], reference_lanes[k_measures.size()][k_lanes];
     for (std::size_t lane = 0; lane < k_lanes; lane += hn::MaxLanes(d)) {
         SquareBatch sums[k_measures.size()];
@@ -105,8 +105,8 @@ ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const
             ratio(sums[4], area, &TransformedValues::sixth_root);
             // log f where f > 0
             const DoubleBatch logarithm = load(f.logarithm, i);
-            const DoubleBatch least = hn::Sub(logarithm, hn::Set(d, most_apart));
-            const DoubleBatch error = hn::Sub(logarithm, hn::Max(load(other.logarithm, i), least));
+            const DoubleBatch min = hn::Sub(logarithm, hn::Set(d, max_apart));
+            const DoubleBatch error = hn::Sub(logarithm, hn::Max(load(other.logarithm, i), min));
             const auto is_above_0 = hn::And(counts, hn::Gt(load(f.f, i), hn::Zero(d)));
             sums[5].add(hn::IfThenElseZero(is_above_0, w), hn::IfThenElseZero(is_above_0, hn::Mul(error, error)), one);
         }

@@ -31,7 +31,7 @@ struct SquareSums {
     double error = 0, reference = 0;
 };
 /// Where log f and log f̂ are compared, f̂ counts as at least this share of f.
-inline constexpr double k_least_share = 1e-6;
+inline constexpr double k_min_share = 1e-6;
 /// The sums of all measures, in the order of `k_measures`, and the numbers of pairs.
 struct ErrorSums {
     std::array<SquareSums, k_measures.size()> measures = {};

@@ -15,7 +15,7 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-constexpr double k_most_psnr = 100;  ///< [dB]; the PSNR of equal pictures is infinite
+constexpr double k_max_psnr = 100;  ///< [dB]; the PSNR of equal pictures is infinite
 
 /// The colours of the sphere in [0, 1], on a grey background.
 Image expose(const Image& radiance, float exposure) {
@@ -59,7 +59,7 @@ PictureErrors picture_errors(const Image& reference, const Image& other) {
         }
     }
     errors.delta_e /= pixels, errors.flip /= pixels;
-    errors.psnr = std::min(-10 * elementary::log10(encoded / (3 * pixels)), k_most_psnr);
+    errors.psnr = std::min(-10 * elementary::log10(encoded / (3 * pixels)), k_max_psnr);
     errors.rms = squares > 0 ? std::sqrt(squares / reference_squares) : 0;
     return errors;
 }
@@ -67,10 +67,10 @@ PictureErrors picture_errors(const Image& reference, const Image& other) {
 Verdict verdict(const PictureErrors& errors) {
     for (std::size_t k = 0; k < k_verdict_limits.size(); ++k)
         if (errors.delta_e <= k_verdict_limits[k].delta_e && errors.flip <= k_verdict_limits[k].flip) return Verdict(k);
-    return Verdict::other;
+    return Verdict::visible_at_once;
 }
 
-std::string_view words(Verdict verdict) {
+std::string_view name(Verdict verdict) {
     constexpr std::array<std::string_view, k_verdicts> k_words{"hardly visible", "visible if you look for it",
                                                                "visible side by side", "visible at once"};
     return k_words[std::size_t(verdict)];
@@ -92,7 +92,7 @@ Appearance summarise(std::vector<PictureErrors> lighting) {
 
 }  // namespace
 
-Appearance judged(const Comparison& found) {
+Appearance headline_errors(const Comparison& found) {
     const auto& heldout = found.heldout_appearance;
     Appearance worst = heldout && heldout->mean.delta_e > found.appearance.mean.delta_e ? *heldout : found.appearance;
     worst.mean.delta_e = std::max(worst.mean.delta_e, found.samples_delta_e);
@@ -101,8 +101,8 @@ Appearance judged(const Comparison& found) {
 }
 
 std::string headline(const Comparison& found, std::string_view between_sentences) {
-    const Appearance worst = judged(found);
-    const std::string text = fmt::format("{}: ΔE_ITP {:.3g}", words(verdict(worst.mean)), worst.mean.delta_e);
+    const Appearance worst = headline_errors(found);
+    const std::string text = fmt::format("{}: ΔE_ITP {:.3g}", name(verdict(worst.mean)), worst.mean.delta_e);
     if (!found.measure)
         return fmt::format("{} in the mean of eight lights, {:.3g} under the worst", text, worst.worst_delta_e);
     const MeasureName& name = *std::ranges::find(k_measures, found.measure, &MeasureName::member);

@@ -12,7 +12,7 @@ namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr int k_source_points = 32;
-constexpr int k_most_shared = 256;  ///< the largest picture whose pixels of equal θv share points; a point set has 8 KB
+constexpr int k_max_shared = 256;  ///< the largest picture whose pixels of equal θv share points; a point set has 8 KB
 
 /// Squared distance of a pixel from the sphere's centre, in units of (radius / size)². θv is a function of this
 /// integer.
@@ -178,7 +178,7 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
     };
     std::map<int, Shared> mirrored;  // keys are squared distances; about eight pixels share points
     std::vector<std::pair<const int, Shared>*> each;
-    if (size <= k_most_shared)
+    if (size <= k_max_shared)
         for (int y = 0; y < size; ++y)
             for (int x = 0; x < size; ++x)
                 if (shows_sphere(size, x, y)) mirrored[squared_distance(size, x, y)];

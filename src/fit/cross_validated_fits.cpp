@@ -29,12 +29,12 @@ constexpr double k_observed_of_fold = 0.2;
 
 /// The largest number of lobes for these samples. Three values of each sample outside a fold are at least twice as many
 /// as the numbers to find, of two bytes each.
-int most_lobes(const ScatteredSamples& samples, const PmFitOptions& options) {
-    const std::size_t most = 3 * samples.wl.size() * (k_folds - 1) / k_folds;
+int max_lobes(const ScatteredSamples& samples, const PmFitOptions& options) {
+    const std::size_t max = 3 * samples.wl.size() * (k_folds - 1) / k_folds;
     int lobes = 1;
     for (const int j : k_tried_lobes)
-        if (j <= k_most_sample_lobes &&
-            payload_bytes(options.form, options.axial, features(options.form) > 0, j, options.variates) <= most)
+        if (j <= k_max_sample_lobes &&
+            payload_bytes(options.form, options.axial, features(options.form) > 0, j, options.variates) <= max)
             lobes = j;
     return lobes;
 }
@@ -133,21 +133,21 @@ Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, std::span<con
     PmFitOptions options;
     if (const auto* pm = std::get_if<PmRequest>(&request.model)) {
         options = sample_options(samples, request);
-        if (!lobes_of(*pm)) options.lobes = most_lobes(samples, options);
+        if (!lobes_of(*pm)) options.lobes = max_lobes(samples, options);
     }
     std::atomic<int> begun = 0;
     const auto next_part = [&] {
         const int before = begun++;
-        return progress.part(double(before) / (k_folds + 1), (before + 1.0) / (k_folds + 1));
+        return progress.subrange(double(before) / (k_folds + 1), (before + 1.0) / (k_folds + 1));
     };
     const auto fit_fold = [&](const ScatteredSamples& training) -> Result<FitOutcome> {
         const ProgressToken part = next_part();
         PmFitOptions fewer = options;
         fewer.starts = k_fold_starts;
         if (!observed) return fit_observed_samples(training, nullptr, request, fewer, part);
-        const auto of_fold = observe(training, observe_options(request), part.part(0, k_observed_of_fold));
-        if (!of_fold) return of_fold.error();
-        return fit_observed_samples(training, &*of_fold, request, fewer, part.part(k_observed_of_fold, 1));
+        const auto fold_fit = observe(training, observe_options(request), part.subrange(0, k_observed_of_fold));
+        if (!fold_fit) return fold_fit.error();
+        return fit_observed_samples(training, &*fold_fit, request, fewer, part.subrange(k_observed_of_fold, 1));
     };
     // Together with the folds, whose number is odd.
     Result<FitOutcome> outcome = FitOutcome{};
@@ -159,12 +159,12 @@ Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, std::span<con
             parallel_for(k_folds, [&](std::size_t k) { folds[k] = fit_fold(without_fold(samples, fold, int(k))); });
     });
     if (!outcome) return outcome;
-    for (const Result<FitOutcome>& of_fold : folds)
-        if (!of_fold) return of_fold;
+    for (const Result<FitOutcome>& fold_fit : folds)
+        if (!fold_fit) return fold_fit;
     outcome->errors = compared(samples, request, outcome->model, heldout_values(samples, fold, folds));
     outcome->samples = outcome->errors->matrix.pairs;
     outcome->raw_bytes = samples.wl.size() * channels(outcome->model).count() * sizeof(float);
-    for (Result<FitOutcome>& of_fold : folds) outcome->without_fold.push_back(std::move(of_fold->model));
+    for (Result<FitOutcome>& fold_fit : folds) outcome->without_fold.push_back(std::move(fold_fit->model));
     return outcome;
 }
 

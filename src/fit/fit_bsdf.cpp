@@ -68,8 +68,10 @@ std::vector<Hemispherical> hemispherical(const Input& input, const Evaluate& fit
     std::vector<Hemispherical> all;
     for (const double degrees : k_incidences) {
         const double theta = degrees * k_degree,
-                     of_beam = double(share_at(beams, part, to_float(spherical(theta, 0.0))).g);
-        const auto sum = [&](const Evaluate& f) { return double(albedo(exchanged(f), theta, k_pi / 2).g) + of_beam; };
+                     beam_fraction = double(share_at(beams, part, to_float(spherical(theta, 0.0))).g);
+        const auto sum = [&](const Evaluate& f) {
+            return double(albedo(exchanged(f), theta, k_pi / 2).g) + beam_fraction;
+        };
         all.push_back({theta, 0, sum(input.f), sum(fitted)});
     }
     return all;
@@ -105,7 +107,7 @@ Result<std::vector<PartFit>> fit_parts(const Inputs& inputs, BsdfModel& model, c
             fit.answered_by = counterpart(part);
         } else {
             auto fitted =
-                fit_part(inputs[p], part, request, progress.part(double(p) / k_parts, double(p + 1) / k_parts));
+                fit_part(inputs[p], part, request, progress.subrange(double(p) / k_parts, double(p + 1) / k_parts));
             if (!fitted) return fitted.error();
             fit.outcome = *std::move(fitted);
             model.part[p] = std::make_shared<const Model>(Model{fit.outcome.model.model, {}});
@@ -116,12 +118,12 @@ Result<std::vector<PartFit>> fit_parts(const Inputs& inputs, BsdfModel& model, c
 
 /// Compares a part with the model's values for it.
 void measure(PartFit& fit, const Input& input, const BsdfModel& bsdf) {
-    const Answering<Model> answer = answering(bsdf.part, fit.part);
+    const PartSource<Model> used = part_source(bsdf.part, fit.part);
     const Evaluate fitted = [&](auto wl, auto wv, auto f) {
-        if (!answer.brdf)
+        if (!used.brdf)
             std::ranges::fill(f, Rgb{});
         else
-            answer.exchanged ? evaluate(*answer.brdf, wv, wl, f) : evaluate(*answer.brdf, wl, wv, f);
+            used.exchanged ? evaluate(*used.brdf, wv, wl, f) : evaluate(*used.brdf, wl, wv, f);
     };
     fit.hemispherical = hemispherical(input, fitted, bsdf.beam, fit.part);
     if (const PatchFit* patch = input.patch_fit()) {
@@ -133,7 +135,7 @@ void measure(PartFit& fit, const Input& input, const BsdfModel& bsdf) {
 }
 
 /// True if the sums have several azimuths of incidence.
-bool is_turned(const std::vector<Hemispherical>& sums) {
+bool has_several_azimuths(const std::vector<Hemispherical>& sums) {
     return std::ranges::any_of(sums, [](const Hemispherical& sum) { return sum.phi != 0; });
 }
 
@@ -142,12 +144,12 @@ void add_largest_sums(BsdfOutcome& outcome) {
     for (const PartFit& a : outcome.parts)
         for (const PartFit& b : outcome.parts) {
             if (is_transmission(a.part) || !is_transmission(b.part) || is_back(a.part) != is_back(b.part)) continue;
-            const bool one_azimuth = is_turned(a.hemispherical) != is_turned(b.hemispherical);
+            const bool one_azimuth = has_several_azimuths(a.hemispherical) != has_several_azimuths(b.hemispherical);
             for (const Hemispherical& r : a.hemispherical)
                 for (const Hemispherical& t : b.hemispherical) {
                     if (r.theta != t.theta || (r.phi != t.phi && !one_azimuth)) continue;
-                    outcome.most_measured = std::max(outcome.most_measured, r.measured + t.measured);
-                    outcome.most_fitted = std::max(outcome.most_fitted, r.fitted + t.fitted);
+                    outcome.max_measured = std::max(outcome.max_measured, r.measured + t.measured);
+                    outcome.max_fitted = std::max(outcome.max_fitted, r.fitted + t.fitted);
                 }
         }
 }
@@ -222,7 +224,7 @@ Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request
     unite_transmissions(beams);
     try {
         auto outcome = fit_inputs(inputs, beams, request, progress);
-        if (!outcome) return of_source(outcome.error(), measured);
+        if (!outcome) return with_source(outcome.error(), measured);
         name_source(outcome->model, measured);
         if (const auto& band = table->band().name; !band.empty()) outcome->model.provenance["band"] = band;
         return outcome;

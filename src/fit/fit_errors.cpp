@@ -29,7 +29,7 @@ Comparison pair_errors(const Model& model, const FittedData& data, const FitRequ
     const Channels f = request.spectral ? spectra(*data.measured()) : rgb_channels(data.values()),
                    others[] = {channels(model)};
     const auto options = [&](double begin, double end) {
-        return MeasureOptions{request.theta(), request.threads, progress.part(begin, end)};
+        return MeasureOptions{request.theta(), request.threads, progress.subrange(begin, end)};
     };
     return {
         measure_matrix(f, others, options(0, k_matrix_measured), matrix_directions(model, request.theta()))[0],
@@ -67,7 +67,7 @@ void measure_appearance(FitOutcome& outcome, const FittedData& data, const Evalu
     const auto errors = compare_pictures(brdfs, pairs,
                                          {.threads = request.threads,
                                           .is_isotropic = data.is_isotropic_with(outcome.model),
-                                          .progress = progress.part(k_albedo_measured, 1)});
+                                          .progress = progress.subrange(k_albedo_measured, 1)});
     outcome.errors->appearance = errors[0];
     for (std::size_t pair = 1; pair < folds; ++pair) *results[pair] = errors[pair];
     if (outcome.exchanged && !(outcome.exchanged->mean.delta_e > 0)) outcome.exchanged.reset();

@@ -17,7 +17,7 @@ namespace {
 
 using Text = std::string_view;
 using Models = std::vector<Text>;
-constexpr double k_least_albedo_limit = 1e-3, k_most_albedo_limit = 1000;
+constexpr double k_min_albedo_limit = 1e-3, k_max_albedo_limit = 1000;
 const Models k_all, k_of_pm{"pm"}, k_of_su{"su"}, k_of_ggx{"ggx"};
 
 PmRequest& pm(FitRequest& request) { return std::get<PmRequest>(request.model); }
@@ -29,13 +29,13 @@ template <typename T, typename To> bool store(const std::optional<T>& value, To&
     return value.has_value();
 }
 
-/// A number within [least, most], which `set` stores.
+/// A number within [min, max], which `set` stores.
 template <typename T>
-FitOptionRow number(FitOptionRow option, T least, T most, std::type_identity_t<void (*)(FitRequest&, T)> set) {
-    option.expected = fmt::format("{} to {}", least, most);
+FitOptionRow number(FitOptionRow option, T min, T max, std::type_identity_t<void (*)(FitRequest&, T)> set) {
+    option.expected = fmt::format("{} to {}", min, max);
     option.set = [=](FitRequest& request, Text text) {
         const auto value = to_number<T>(text);
-        const bool is_accepted = value && *value >= least && *value <= most;
+        const bool is_accepted = value && *value >= min && *value <= max;
         if (is_accepted) set(request, *value);
         return is_accepted;
     };
@@ -139,15 +139,15 @@ std::vector<FitOptionRow> all_options() {
         or_word(number<double>({"albedo_limit", k_of_pm, "A|none",
                                 "Limit on the directional albedo of every view and channel. Default: 1; none in forms "
                                 "that\nare not reciprocal"},
-                               k_least_albedo_limit, k_most_albedo_limit,
+                               k_min_albedo_limit, k_max_albedo_limit,
                                [](FitRequest& r, double albedo) { pm(r).albedo_limit = albedo; }),
                 "none", [](FitRequest& r) { pm(r).albedo_limit = std::numeric_limits<double>::infinity(); }),
         number<int>(
             {"variates", k_of_pm, "N",
              fmt::format("Number of variates, the factors of a lobe, 1 to {}. Default: {}; {} in forms that are "
                          "not reciprocal",
-                         k_most_variates, row_of(k_default_form).variates, row_of(PmForm::extended).variates)},
-            1, k_most_variates, [](FitRequest& r, int n) { pm(r).variates = n; }),
+                         k_max_variates, row_of(k_default_form).variates, row_of(PmForm::extended).variates)},
+            1, k_max_variates, [](FitRequest& r, int n) { pm(r).variates = n; }),
         flag({.name = "axial",
               .models = k_of_pm,
               .about = "Centres only at +z or -z; or general centres, which take 4 J N more bytes.\n"
@@ -159,12 +159,12 @@ std::vector<FitOptionRow> all_options() {
                                          "auto: for a table the\nfewest with a visible error of at most {:g}; for "
                                          "samples the most that they determine. Default: {}, or {} in\nforms that are "
                                          "not reciprocal; for samples auto; for ggx 1",
-                                         k_most_fitted_lobes, k_default_delta_e, LobeCount{}.lobes,
+                                         k_max_fitted_lobes, k_default_delta_e, LobeCount{}.lobes,
                                          row_of(PmForm::extended).lobes)},
-                            1, k_most_fitted_lobes, [](FitRequest& r, int n) { pm(r).size = LobeCount{n}; }),
+                            1, k_max_fitted_lobes, [](FitRequest& r, int n) { pm(r).size = LobeCount{n}; }),
                 "auto", [](FitRequest& r) { pm(r).size = AutomaticLobes{}; }),
-        number<int>({"lobes", k_of_su, "J"}, 1, k_most_view_lobes, [](FitRequest& r, int n) { su(r).lobes = n; }),
-        number<int>({"lobes", k_of_ggx, "J"}, 1, k_most_ggx_lobes,
+        number<int>({"lobes", k_of_su, "J"}, 1, k_max_view_lobes, [](FitRequest& r, int n) { su(r).lobes = n; }),
+        number<int>({"lobes", k_of_ggx, "J"}, 1, k_max_ggx_lobes,
                     [](FitRequest& r, int n) { std::get<GgxRequest>(r.model).lobes = n; }),
         objective(),
         number<double>({"max_theta", k_all, "DEG",
@@ -176,16 +176,16 @@ std::vector<FitOptionRow> all_options() {
               preset(name(k_su.discretise))},
              Words{"view", "light"},
              [](FitRequest& r, Text text) { return store(discretise_named(text), su(r).discretise); }),
-        number<int>({"directions", k_of_su, "N",
-                     fmt::format("Number of sampled directions, {} to {}", k_least_views, k_most_views),
-                     preset(k_su.directions)},
-                    k_least_views, k_most_views, [](FitRequest& r, int n) { su(r).directions = n; }),
+        number<int>(
+            {"directions", k_of_su, "N",
+             fmt::format("Number of sampled directions, {} to {}", k_min_views, k_max_views), preset(k_su.directions)},
+            k_min_views, k_max_views, [](FitRequest& r, int n) { su(r).directions = n; }),
         or_word(number<int>(
                     {"interpolation", k_of_su, "rotated|K",
                      "Between the two samples adjacent in elevation, rotated to the azimuth of the direction,\n"
                      "for isotropic measurements; or between the K nearest samples",
                      preset(name(k_su.interpolation))},
-                    1, k_most_neighbours,
+                    1, k_max_neighbours,
                     [](FitRequest& r, int n) { su(r).interpolation = SuInterpolation::plain, su(r).neighbours = n; }),
                 "rotated", [](FitRequest& r) { su(r).interpolation = SuInterpolation::rotated; }),
         word({"with_index", k_of_su, "cube|parabolic", "Store an index texture, the samples nearest to each direction"},
@@ -202,14 +202,14 @@ std::vector<FitOptionRow> all_options() {
                                     "fitted, the\nmean Delta E (ITP) of pictures of a sphere, where 1 is just "
                                     "noticeable",
                                     *std::ranges::max_element(k_tried_lobes))},
-                       k_finest_delta_e, k_most_delta_e,
+                       k_finest_delta_e, k_max_delta_e,
                        [](FitRequest& r, double e) { pm(r).size = AutomaticLobes{e}; }),
         number<std::uint64_t>({"seed", k_all, "SEED", "Seed of the random numbers", preset(k_request.seed)}, 0,
                               std::numeric_limits<std::uint64_t>::max(),
                               [](FitRequest& r, std::uint64_t seed) { r.seed = seed; }),
         number<int>({"threads", k_all, "T", "Number of threads; 0: all of the machine. The model does not depend on it",
                      preset(k_request.threads)},
-                    0, k_most_threads, [](FitRequest& r, int n) { r.threads = n; }),
+                    0, k_max_threads, [](FitRequest& r, int n) { r.threads = n; }),
     };
 }
 

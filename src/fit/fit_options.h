@@ -8,7 +8,7 @@
 
 SRBF_BEGIN
 
-inline constexpr int k_most_threads = 1024;
+inline constexpr int k_max_threads = 1024;
 
 /// An option of a fit. Models that read different texts of an option have rows of their own.
 struct FitOptionRow {

@@ -36,10 +36,11 @@ bool FittedData::is_isotropic_with(const Model& fitted) const {
 Result<ProgressToken> FittedData::smooth(const FitRequest& request, const ProgressToken& progress) {
     if (!noise_) noise_ = noise_of(signed_);
     if (!is_noisy(*noise_) || smoothed_) return progress;
-    auto values = smoothed(signed_, *noise_, looks_isotropic(request), request.threads, progress.part(0, k_smoothed));
+    auto values =
+        smoothed(signed_, *noise_, looks_isotropic(request), request.threads, progress.subrange(0, k_smoothed));
     if (!values) return values.error();
     smoothed_ = *std::move(values);
-    return progress.part(k_smoothed, 1);
+    return progress.subrange(k_smoothed, 1);
 }
 
 FittedData::Key FittedData::key(const FitRequest& request) const {

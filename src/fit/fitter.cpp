@@ -30,10 +30,10 @@ constexpr int k_draft_starts = 3;
 constexpr double k_observed = 0.1, k_samples_observed = 0.05, k_drafts_observed = 0.3, k_fitted = 0.75;
 
 Result<FitOutcome> fit_and_measure(Fitter fitter, const FitRequest& request, const ProgressToken& progress) {
-    auto outcome = fitter.fit(request, progress.part(0, k_fitted));
+    auto outcome = fitter.fit(request, progress.subrange(0, k_fitted));
     if (!outcome) return outcome;
     if (const auto within = check_range(outcome->model, "fit"); !within) return within.error();
-    const auto measured = fitter.measure(*outcome, request, progress.part(k_fitted, 1));
+    const auto measured = fitter.measure(*outcome, request, progress.subrange(k_fitted, 1));
     return measured ? std::move(outcome) : measured.error();
 }
 
@@ -45,7 +45,7 @@ Result<FitOutcome> fit_view_by_view(const Evaluate& f, const FitRequest& request
     const SuRequest& su = std::get<SuRequest>(request.model);
     const auto matrix =
         tabulate(f, {.directions = su.directions, .discretise = su.discretise, .threads = request.threads},
-                 progress.part(0, k_observed));
+                 progress.subrange(0, k_observed));
     if (!matrix) return matrix.error();
     const SuFitOptions options{.lobes = su.lobes,
                                .objective = request.objective,
@@ -54,7 +54,7 @@ Result<FitOutcome> fit_view_by_view(const Evaluate& f, const FitRequest& request
                                .neighbours = su.neighbours,
                                .seed = request.seed,
                                .threads = request.threads};
-    auto fitted = fit_su(*matrix, options, progress.part(k_observed, 1));
+    auto fitted = fit_su(*matrix, options, progress.subrange(k_observed, 1));
     if (!fitted) return fitted.error();
     if (progress.cancelled()) return cancelled_error("fit");
     if (fitted->empty == su.directions) return no_data_error("fit", "values", "some above 0");
@@ -103,7 +103,7 @@ Result<FitOutcome> fit_first_size(const FittedData& data, const Observations& ob
     for (const int lobes : k_tried_lobes) {
         options.lobes = lobes;
         const double next = done + (1 - done) / 2;  // each takes about as long as all smaller ones
-        auto fitted = fit_pm(observations, options, progress.part(done, next));
+        auto fitted = fit_pm(observations, options, progress.subrange(done, next));
         if (!fitted) return fitted.error();
         if (progress.cancelled()) return cancelled_error("fit");
         done = next;
@@ -136,7 +136,7 @@ Result<FitOutcome> fit_lobes(FittedData& data, const Observations& observations,
 void describe(const Observations& observations, FitOutcome& outcome) {
     outcome.masked = observations.masked;
     outcome.clamped = observations.clamped;
-    outcome.largest_albedo = std::max(1.0, most_measured_albedo(observations));
+    outcome.largest_albedo = std::max(1.0, max_measured_albedo(observations));
     outcome.raw_bytes = raw_bytes(k_matrix_directions, channels(outcome.model).count());
 }
 
@@ -145,9 +145,9 @@ Result<FitOutcome> fit_table(FittedData& data, const FitRequest& request, const 
     if (!rest) return rest.error();
     if (std::holds_alternative<SuRequest>(request.model))
         return fit_view_by_view(data.smoothed_values() ? data.smoothed_values() : data.signed_values(), request, *rest);
-    const auto observed = data.observations(request, rest->part(0, k_observed));
+    const auto observed = data.observations(request, rest->subrange(0, k_observed));
     if (!observed) return observed.error();
-    const ProgressToken fitting = rest->part(k_observed, 1);
+    const ProgressToken fitting = rest->subrange(k_observed, 1);
     auto outcome = std::holds_alternative<PmRequest>(request.model)
                        ? fit_lobes(data, **observed, request, fitting)
                        : fit_by_kind(request, **observed, data.looks_isotropic(request), fitting);
@@ -158,7 +158,7 @@ Result<FitOutcome> fit_table(FittedData& data, const FitRequest& request, const 
 Result<FitOutcome> draft_of_table(FittedData& data, const FitRequest& request, const ProgressToken& progress) {
     const auto rest = data.smooth(request, progress);
     if (!rest) return rest.error();
-    const auto observed = data.observations(request, rest->part(0, k_drafts_observed));
+    const auto observed = data.observations(request, rest->subrange(0, k_drafts_observed));
     if (!observed) return observed.error();
     PmFitOptions options = lobe_options(data, request);
     options.starts = k_draft_starts, options.perturbations = 0;
@@ -177,13 +177,13 @@ Result<FitOutcome> fit_samples(FittedData& data, const FitRequest& request, cons
     if (!fold) return fold.error();
     if (std::holds_alternative<SuRequest>(request.model))
         return fit_to_samples(samples, *fold, nullptr, request, progress);
-    const auto observed = data.sample_observations(request, progress.part(0, k_samples_observed));
+    const auto observed = data.sample_observations(request, progress.subrange(0, k_samples_observed));
     if (!observed) return observed.error();
     return fit_to_samples(samples, *fold, *observed, request, progress.part(k_samples_observed, 1));
 }
 
 Result<FitOutcome> draft_of_samples(FittedData& data, const FitRequest& request, const ProgressToken& progress) {
-    const auto observed = data.sample_observations(request, progress.part(0, k_drafts_observed));
+    const auto observed = data.sample_observations(request, progress.subrange(0, k_drafts_observed));
     if (!observed) return observed.error();
     return draft_of_samples(*data.samples(), **observed, request, progress.part(k_drafts_observed, 1));
 }
@@ -204,8 +204,8 @@ Result<Done> validate(const FittedData& data, const FitRequest& request) {
     const auto target = target_of(request);
     if (target && data.samples())
         return argument_error("fit", "target delta E", "a measured table", "scattered samples");
-    if (target && !(*target > 0 && *target <= k_most_delta_e))
-        return argument_error("fit", "target delta E", fmt::format("above 0, at most {}", k_most_delta_e),
+    if (target && !(*target > 0 && *target <= k_max_delta_e))
+        return argument_error("fit", "target delta E", fmt::format("above 0, at most {}", k_max_delta_e),
                               fmt::format("{}", *target));
     return Done{};
 }
@@ -266,7 +266,7 @@ Result<Done> Fitter::measure(FitOutcome& outcome, const FitRequest& request, con
 Result<FitOutcome> fit(const Measured& measured, const FitRequest& request, const ProgressToken& progress) {
     try {
         auto outcome = fit_and_measure(Fitter(measured), request, progress);
-        return outcome ? std::move(outcome) : of_source(outcome.error(), measured);
+        return outcome ? std::move(outcome) : with_source(outcome.error(), measured);
     } catch (const std::bad_alloc&) {
         return out_of_memory_error(measured.source);
     }

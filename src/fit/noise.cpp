@@ -83,8 +83,8 @@ Evaluate above_noise(const Evaluate& f, const Rgb& deviation) {
         f(wl, wv, values);
         for (Rgb& value : values)
             for (int c = 0; c < 3; ++c) {
-                const float least = k_alike * deviation[c];
-                value[c] = std::sqrt(value[c] * value[c] + least * least);
+                const float min = k_alike * deviation[c];
+                value[c] = std::sqrt(value[c] * value[c] + min * min);
             }
     };
 }
@@ -113,8 +113,8 @@ Evaluate smoothed_towards(const Evaluate& fitted, const Evaluate& f, const Rgb& 
         fitted(wl, wv, means);
         for (std::size_t i = 0; i < values.size(); ++i)
             for (int c = 0; c < 3; ++c) {
-                const float most = k_noise_limit * deviation[c];
-                values[i][c] -= share[c] * std::clamp(values[i][c] - means[i][c], -most, most);  // NaN remains
+                const float max = k_noise_limit * deviation[c];
+                values[i][c] -= share[c] * std::clamp(values[i][c] - means[i][c], -max, max);  // NaN remains
             }
     };
 }
@@ -161,10 +161,10 @@ Result<Evaluate> smoothed(const Evaluate& f, const Noise& noise, bool axial, int
     options.starts = k_noise_starts, options.perturbations = k_noise_perturbations;
     Evaluate smooth = above_noise(f, noise.deviation);
     for (int round = 0; round < k_rounds; ++round) {
-        const ProgressToken part = progress.part(double(round) / k_rounds, (round + 1.0) / k_rounds);
-        const auto observed = observe(f, {.threads = threads, .smoothed = smooth}, part.part(0, 0.3));
+        const ProgressToken part = progress.subrange(double(round) / k_rounds, (round + 1.0) / k_rounds);
+        const auto observed = observe(f, {.threads = threads, .smoothed = smooth}, part.subrange(0, 0.3));
         if (!observed) return observed.error();
-        auto fitted = fit_pm(first_pairs(*observed, observed->fitted_count()), options, part.part(0.3, 1));
+        auto fitted = fit_pm(first_pairs(*observed, observed->fitted_count()), options, part.subrange(0.3, 1));
         if (!fitted) return fitted.error();
         smooth = smoothed_towards(evaluator(std::move(fitted->model)), f, noise.deviation);
     }

@@ -7,9 +7,9 @@
 SRBF_BEGIN
 
 /// The ΔE_ITP of `AutomaticLobes`.
-inline constexpr double k_finest_delta_e = 0.01, k_most_delta_e = 100;
-/// The numbers of lobes that it tries; for samples up to k_most_sample_lobes.
-inline constexpr int k_tried_lobes[] = {2, 3, 4, 6, 9, 12, 16, 24}, k_most_sample_lobes = 12;
+inline constexpr double k_finest_delta_e = 0.01, k_max_delta_e = 100;
+/// The numbers of lobes that it tries; for samples up to k_max_sample_lobes.
+inline constexpr int k_tried_lobes[] = {2, 3, 4, 6, 9, 12, 16, 24}, k_max_sample_lobes = 12;
 
 /// The names of the models that a request can ask for, in the order of `AnyRequest`.
 inline constexpr auto k_model_names = []<typename... R>(std::type_identity<std::variant<R...>>) {

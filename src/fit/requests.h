@@ -58,7 +58,7 @@ inline void name_source(Model& model, const Measured& measured) {
         model.provenance["receiver [nm, sr]"] = fmt::format("{}", samples->receiver);
 }
 /// `error` with the file of the measurement as its source.
-inline Error of_source(Error error, const Measured& measured) {
+inline Error with_source(Error error, const Measured& measured) {
     if (!measured.source.empty()) error.source = measured.source;
     return error;
 }

@@ -8,14 +8,14 @@
 namespace SRBF_NAMESPACE {
 
 /// Bounds denominators, so that the zero vector has the angle 0.
-inline constexpr double k_least_length = 1e-37;
+inline constexpr double k_min_length = 1e-37;
 
-namespace of_numbers {
+namespace scalar {
 using std::abs, std::copysign, std::max, std::min, std::sqrt;
 inline float select(bool condition, float a, float b) { return condition ? a : b; }
 #include "measured/angles.inl"
-}  // namespace of_numbers
-using of_numbers::azimuth, of_numbers::polar_angle;
+}  // namespace scalar
+using scalar::azimuth, scalar::polar_angle;
 
 /// The angle between the normal and a vector of any length in the upper half space.
 inline float polar_angle(Vec3f w) { return polar_angle(w.x * w.x + w.y * w.y, w.z); }

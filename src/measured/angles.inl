@@ -5,7 +5,7 @@
 /// interpolates (arcsin(√t) / √t)² at Chebyshev nodes on [0, ½].
 template <typename Real> Real polar_angle(Real sine2, Real c) {
     const Real length = sqrt(sine2 + c * c);
-    const Real t = Real(0.5) * sine2 / max(length * (length + c), Real(k_least_length));
+    const Real t = Real(0.5) * sine2 / max(length * (length + c), Real(k_min_length));
     Real p = Real(0.319542848);
     p = p * t - Real(0.265949534);
     p = p * t + Real(0.217428188);
@@ -20,7 +20,7 @@ template <typename Real> Real polar_angle(Real sine2, Real c) {
 /// φ = atan2(y, x) [rad], in [−π, π]; 0 for the zero vector. The absolute error is at most 4e-7. With
 /// q = min(|x|,|y|) / max(|x|,|y|), arctan q = q P(q²), where P interpolates at Chebyshev nodes on [0, 1].
 template <typename Real> Real azimuth(Real y, Real x) {
-    const Real a = abs(x), b = abs(y), q = min(a, b) / max(max(a, b), Real(k_least_length)), t = q * q;
+    const Real a = abs(x), b = abs(y), q = min(a, b) / max(max(a, b), Real(k_min_length)), t = q * q;
     Real p = Real(0.0027662835);
     p = p * t - Real(0.0157312491);
     p = p * t + Real(0.0421376236);

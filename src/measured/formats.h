@@ -22,7 +22,7 @@ template <typename B> void set_parts(TableSource& source, const Parts<B>& parts,
     source.two_sided = true;
     for (std::size_t p = 0; p < k_parts; ++p) source.has[p] = is_known(parts, beams, Part(p));
     source.has[0] |= source.has == std::array<bool, k_parts>{};
-    source.beams = completed(parts, beams);
+    source.beams = complete_beams(parts, beams);
 }
 TableSource table_source(const Measured& measured);
 TableSource table_source(const Measured&&) = delete;
@@ -74,7 +74,7 @@ const Format* format_written_to(std::string_view path);
 Result<Measured> read_as(const Format& format, std::span<const std::byte> bytes, const std::string& file_name,
                          const ReadOptions& options = {});
 /// The largest size of a file that begins with `head` in any format.
-std::uint64_t most_bytes(std::span<const std::byte> head);
+std::uint64_t max_bytes(std::span<const std::byte> head);
 /// "RGL, MBSDF, ... or UTIA".
 std::string names_of_formats();
 /// ".bsdf, .mbsdf, ... or .csv": the extensions of formats with a writer.

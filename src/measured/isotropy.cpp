@@ -18,9 +18,9 @@ constexpr double k_small_rotation = 15 * k_degree;
 /// Tolerances of relative mean squares of f(Rωl, Rωv) − f(ωl, ωv), for rounding alone and for noise.
 constexpr double k_rounding = 1e-6, k_noise = 0.02;
 /// Noise changes as much under a small rotation as under any other; a brushed surface changes far less.
-constexpr double k_most_growth = 2.5;
+constexpr double k_max_growth = 2.5;
 /// The growth for samples, of which each counts the same, and the least change of pairs that are exactly rotated.
-constexpr double k_least_growth = 1.5, k_weakest = 1e-4;
+constexpr double k_min_growth = 1.5, k_weakest = 1e-4;
 /// Known noise changes the sum by its variance, which is known to a tenth, and by at most k_deviations standard
 /// deviations.
 constexpr double k_noise_margin = 1.1, k_deviations = 3;
@@ -55,16 +55,16 @@ Complex rotation_between(const ScatteredSamples& samples, std::size_t i, std::si
 /// True if rotation changes no more than its halves: all directions lie in one plane, or lights or viewers are off the
 /// normal and have one azimuth, within half a degree.
 bool lacks_rotations(const ScatteredSamples& samples) {
-    constexpr double k_most = 1e-4;  // bound on sin² and on products of sines
+    constexpr double k_max = 1e-4;  // bound on sin² and on products of sines
     const auto sine2 = [](const Vec3f& w) { return between(w, w).real(); };
     const auto farthest = [&](const std::vector<Vec3f>& w) { return *std::ranges::max_element(w, {}, sine2); };
-    const auto lie_in_plane = [](const Vec3f& axis, const std::vector<Vec3f>& all, double least) {
+    const auto lie_in_plane = [](const Vec3f& axis, const std::vector<Vec3f>& all, double min) {
         return std::ranges::all_of(
-            all, [&](const Vec3f& w) { return is_in_plane(axis, w) && between(axis, w).real() >= least; });
+            all, [&](const Vec3f& w) { return is_in_plane(axis, w) && between(axis, w).real() >= min; });
     };
     const Vec3f l = farthest(samples.wl), v = farthest(samples.wv), axis = sine2(l) > sine2(v) ? l : v;
-    return (sine2(l) > k_most && lie_in_plane(l, samples.wl, -k_most)) ||
-           (sine2(v) > k_most && lie_in_plane(v, samples.wv, -k_most)) ||
+    return (sine2(l) > k_max && lie_in_plane(l, samples.wl, -k_max)) ||
+           (sine2(v) > k_max && lie_in_plane(v, samples.wv, -k_max)) ||
            (lie_in_plane(axis, samples.wl, -1) && lie_in_plane(axis, samples.wv, -1));
 }
 
@@ -101,15 +101,15 @@ bool is_isotropic(const Evaluate& f, double max_theta, const Rgb& noise) {
         by_noise += noise_change, by_noise2 += elementary::square(noise_change);
     }
     change -= k_noise_margin * by_noise + k_deviations * std::sqrt(2 * by_noise2);
-    return change <= k_rounding * squares || (change <= k_noise * squares && change <= k_most_growth * small_change);
+    return change <= k_rounding * squares || (change <= k_noise * squares && change <= k_max_growth * small_change);
 }
 
 double change_by_azimuth(const ScatteredSamples& samples) {
-    // At most `k_most` samples are indexed, since a search among coincident points visits all of them.
-    constexpr std::size_t k_most = 65536, k_searches = 1024, k_near = 9, k_least_pairs = 32;
+    // At most `k_max` samples are indexed, since a search among coincident points visits all of them.
+    constexpr std::size_t k_max = 65536, k_searches = 1024, k_near = 9, k_min_pairs = 32;
     const StandardArithmetic mode;
     if (samples.wl.empty() || lacks_rotations(samples)) return 0;
-    const std::size_t step = 1 + samples.wl.size() / k_most;
+    const std::size_t step = 1 + samples.wl.size() / k_max;
     using Points = PointCloud<float, 3>;
     Points points;
     std::vector<std::size_t> sample;
@@ -130,7 +130,7 @@ double change_by_azimuth(const ScatteredSamples& samples) {
     // pairs, those near 0 and 180°, since many surfaces are symmetric by half a turn; and of pairs within 10°, where
     // values also change with the distance.
     struct Test {
-        double reach, most_sine, least;
+        double reach, max_sine, min;
         bool needs_small;
         Change small = {}, any = {};
     };
@@ -157,20 +157,20 @@ double change_by_azimuth(const ScatteredSamples& samples) {
             for (Test& test : tests) {
                 if (double(distance2[n]) > test.reach * test.reach) continue;
                 const bool is_small =
-                    rotation.real() >= elementary::cos(k_small_rotation) || std::abs(rotation.imag()) <= test.most_sine;
+                    rotation.real() >= elementary::cos(k_small_rotation) || std::abs(rotation.imag()) <= test.max_sine;
                 Change& change = is_small ? test.small : test.any;
                 change.squares += squares, change.squared_changes += squared_change, ++change.pairs;
                 if (squared_change > 0) change.relative += squared_change / (squares + other_squares);
             }
         }
     }
-    for (const auto& [reach, most_sine, least, needs_small, small, any] : tests) {
-        const bool has_small = small.pairs >= k_least_pairs;
-        if (any.pairs < k_least_pairs || (needs_small && !has_small)) continue;
-        const bool is_noise = has_small && (any.ratio() <= k_most_growth * small.ratio() ||
-                                            any.mean_relative() <= k_least_growth * small.mean_relative());
-        if (any.ratio() > least && !is_noise) return std::sqrt(any.ratio());
-        if (most_sine > 0) break;  // exact pairs tell more than others
+    for (const auto& [reach, max_sine, min, needs_small, small, any] : tests) {
+        const bool has_small = small.pairs >= k_min_pairs;
+        if (any.pairs < k_min_pairs || (needs_small && !has_small)) continue;
+        const bool is_noise = has_small && (any.ratio() <= k_max_growth * small.ratio() ||
+                                            any.mean_relative() <= k_min_growth * small.mean_relative());
+        if (any.ratio() > min && !is_noise) return std::sqrt(any.ratio());
+        if (max_sine > 0) break;  // exact pairs tell more than others
     }
     return 0;
 }

@@ -46,8 +46,8 @@ std::string note_of(std::span<const Measured> files) {
             incidences.insert(std::round(elementary::acos(std::min(double(wl.z), 1.0)) / k_degree * 10) / 10);
         for (const std::string_view line : parts_of(samples.description)) ++lines[line];
     }
-    constexpr std::size_t most_listed = 12;
-    const auto listed = incidences.size() <= most_listed
+    constexpr std::size_t max_listed = 12;
+    const auto listed = incidences.size() <= max_listed
                             ? fmt::format("{}", fmt::join(incidences, ", "))
                             : fmt::format("{} to {}", *incidences.begin(), *incidences.rbegin());
     std::string same = kind_of(files[0]), different;
@@ -63,7 +63,7 @@ std::string note_of(std::span<const Measured> files) {
 
 }  // namespace
 
-Result<Measured> joined(std::span<const Measured> files) {
+Result<Measured> join_measurements(std::span<const Measured> files) {
     const StandardArithmetic mode;
     if (files.size() < 2) return Error{"files", {}, "one sample", "two or more", std::to_string(files.size())};
     for (const Measured& file : files) {

@@ -205,10 +205,9 @@ void unite_transmissions(Beams& beams) {
 Rgb signed_value(const BsdfTable& table, Vec3f wl, Vec3f wv) {
     const auto pair = to_part_frame(wl, wv);
     if (!pair) return {};
-    const Answering<Measured> answer = answering(table.band().part, pair->part);
-    if (!answer.brdf) return {};
-    return answer.exchanged ? signed_value(*answer.brdf, pair->wv, pair->wl)
-                            : signed_value(*answer.brdf, pair->wl, pair->wv);
+    const PartSource<Measured> used = part_source(table.band().part, pair->part);
+    if (!used.brdf) return {};
+    return used.exchanged ? signed_value(*used.brdf, pair->wv, pair->wl) : signed_value(*used.brdf, pair->wl, pair->wv);
 }
 
 Result<Done> choose_band(Measured& measured, std::string_view name) {

@@ -27,7 +27,7 @@ Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::strin
 /// Joins files of samples of one material, such as one for each incidence. The first note lists the entries of their
 /// headers that agree and that differ. `change_by_azimuth` decides whether the result is isotropic. Returns an error
 /// for fewer than two files, if one is not of samples, or if their wavelengths, colours or names of values differ.
-Result<Measured> joined(std::span<const Measured> files);
+Result<Measured> join_measurements(std::span<const Measured> files);
 
 /// The names of all quantities but `stated`, in their order.
 inline constexpr std::array<std::string_view, 3> k_quantities{"bsdf", "factor", "cosine"};

@@ -26,12 +26,12 @@ SampleBuilder::SampleBuilder(Values values, std::vector<float> wavelengths, std:
     // Memory holds the text and the samples at first, later the samples and their index.
     constexpr std::size_t slack = 32 << 20, index = 36;
     const std::size_t sample = 2 * sizeof(Vec3f) + sizeof(Rgb) + sizeof(float) * (weights_.size() + 1);
-    most_ = std::min((3 * bytes + slack) / sample, (4 * bytes + slack) / (sample + index));
-    const std::size_t most = std::min(rows, most_);
-    samples_.wl.reserve(most);
-    samples_.wv.reserve(most);
-    samples_.colour.reserve(most);
-    samples_.spectrum.reserve(most * weights_.size());
+    max_ = std::min((3 * bytes + slack) / sample, (4 * bytes + slack) / (sample + index));
+    const std::size_t max = std::min(rows, max_);
+    samples_.wl.reserve(max);
+    samples_.wv.reserve(max);
+    samples_.colour.reserve(max);
+    samples_.spectrum.reserve(max * weights_.size());
 }
 
 void SampleBuilder::add(Vec3d wl, Vec3d wv, std::span<const float> f, float weight) {
@@ -42,7 +42,7 @@ void SampleBuilder::add(Vec3d wl, Vec3d wv, std::span<const float> f, float weig
         ++samples_.masked;
         return;
     }
-    if (samples_.wl.size() == most_) {
+    if (samples_.wl.size() == max_) {
         too_many_ = true;
         return;
     }
@@ -73,7 +73,7 @@ namespace {
 /// The numbers of the rows without `missing`, and the number of rows with it.
 struct OtherRows {
     std::size_t with = 0;
-    float least = 0, most = 0;
+    float min = 0, max = 0;
     bool is_saturated = false, has_fractions = false;
 
     OtherRows(std::span<const float> rows, std::size_t width, float missing) {
@@ -83,36 +83,36 @@ struct OtherRows {
             with += has, is_saturated |= has && std::ranges::max(row) >= -missing;
             for (const float f : row)
                 if (!has && !std::isnan(f))
-                    least = std::min(least, f), most = std::max(most, f), has_fractions |= f != std::round(f);
+                    min = std::min(min, f), max = std::max(max, f), has_fractions |= f != std::round(f);
         }
     }
 };
 
 std::optional<float> missing_number(std::span<const float> rows, std::size_t width) {
     constexpr float fills[] = {999, 9999, 99999, 999999, 32767, 65535, 2147483648};
-    float least = 0, most = 0;
-    for (const float f : rows) least = std::min(least, f), most = std::max(most, f);
-    if (std::ranges::find(fills, most) != std::end(fills))
-        if (const OtherRows others(rows, width, most); others.with > 1 && most > 2 * others.most) return most;
-    if (!(least < 0)) return {};
-    const OtherRows others(rows, width, least);
-    const bool is_integer = least == std::round(least);
-    if (others.is_saturated || (others.with < 2 && !is_integer) || others.least < least / 10) return {};
-    if (is_integer && others.has_fractions) return least;
+    float min = 0, max = 0;
+    for (const float f : rows) min = std::min(min, f), max = std::max(max, f);
+    if (std::ranges::find(fills, max) != std::end(fills))
+        if (const OtherRows others(rows, width, max); others.with > 1 && max > 2 * others.max) return max;
+    if (!(min < 0)) return {};
+    const OtherRows others(rows, width, min);
+    const bool is_integer = min == std::round(min);
+    if (others.is_saturated || (others.with < 2 && !is_integer) || others.min < min / 10) return {};
+    if (is_integer && others.has_fractions) return min;
     std::vector<float> positive;
     std::ranges::copy_if(rows, std::back_inserter(positive), [](float f) { return f > 0; });
     const auto median = positive.begin() + std::ptrdiff_t(positive.size() / 2);
     std::ranges::nth_element(positive, median);
-    const bool is_missing = positive.empty() ? is_integer : -least > 2 * *median;
-    return is_missing ? std::optional(least) : std::nullopt;
+    const bool is_missing = positive.empty() ? is_integer : -min > 2 * *median;
+    return is_missing ? std::optional(min) : std::nullopt;
 }
 
 }  // namespace
 
 void mask_missing(std::span<float> rows, std::size_t width, std::vector<std::string>* notes) {
     // A file may have several such numbers: −9999 for not measured, −999 for saturated.
-    constexpr int k_most_kinds = 4;
-    for (int kind = 0; kind < k_most_kinds; ++kind) {
+    constexpr int k_max_kinds = 4;
+    for (int kind = 0; kind < k_max_kinds; ++kind) {
         const auto missing = missing_number(rows, width);
         if (!missing) return;
         std::size_t masked = 0;
@@ -183,10 +183,10 @@ void to_bsdf(ScatteredSamples& samples, Quantity quantity, double unit) {
 
 std::string expected_angle(AngleKind kind, double number, AngleUnit unit) {
     constexpr double rounding = 1 + 1e-3;
-    const double most = kind == AngleKind::polar ? k_pi : 4 * k_pi;
-    if (!(std::abs(number * unit.radians) > most * rounding)) return {};
+    const double max = kind == AngleKind::polar ? k_pi : 4 * k_pi;
+    if (!(std::abs(number * unit.radians) > max * rounding)) return {};
     return fmt::format("{} within {:.4g} {}", kind == AngleKind::polar ? "a polar angle" : "an azimuth",
-                       most / unit.radians, unit.name);
+                       max / unit.radians, unit.name);
 }
 
 Result<ScatteredSamples> SampleBuilder::finish(const std::string& file_name, std::string description,
@@ -207,13 +207,13 @@ Result<ScatteredSamples> SampleBuilder::finish(const std::string& file_name, std
                            : samples_.masked == 0  ? "none"
                                                    : fmt::format("{} that are not", samples_.masked));
     if (too_many_)
-        return Error{file_name, {}, "samples", fmt::format("at most {} in a file of {} bytes", most_, bytes_), "more"};
+        return Error{file_name, {}, "samples", fmt::format("at most {} in a file of {} bytes", max_, bytes_), "more"};
     samples_.description = std::move(description);
     samples_.isotropic = isotropic || change_by_azimuth(samples_) == 0;
     return std::move(samples_);
 }
 
-Result<ScatteredSamples> indexed(Result<ScatteredSamples> samples) {
+Result<ScatteredSamples> build_index(Result<ScatteredSamples> samples) {
     if (samples) make_index(*samples);
     return samples;
 }

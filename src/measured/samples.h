@@ -17,8 +17,8 @@ namespace SRBF_NAMESPACE {
 enum class Values { grey, rgb, xyz, spectrum, polarized };
 
 /// Limit on the columns of a file, far above those of any measurement.
-inline constexpr std::size_t k_most_columns = 4096;
-inline constexpr std::size_t k_absent = k_most_columns;  ///< the position of a column that a file lacks
+inline constexpr std::size_t k_max_columns = 4096;
+inline constexpr std::size_t k_absent = k_max_columns;  ///< the position of a column that a file lacks
 
 /// Collects the valid samples of a file.
 class SampleBuilder {
@@ -45,7 +45,7 @@ class SampleBuilder {
     Values values_;
     std::vector<Rgb> weights_;
     ScatteredSamples samples_;
-    std::size_t bytes_, most_ = 0;
+    std::size_t bytes_, max_ = 0;
     bool too_many_ = false;
 };
 
@@ -103,7 +103,7 @@ Result<ScatteredSamples> read_alta(std::span<const std::byte> bytes, const std::
 /// and assumptions about missing azimuths and units, which `notes` states. `options` may name the columns.
 Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::string& file_name,
                                   const ReadOptions& options);
-Result<ScatteredSamples> indexed(Result<ScatteredSamples> samples);
+Result<ScatteredSamples> build_index(Result<ScatteredSamples> samples);
 
 /// Tolerance of azimuths [rad] and of components of directions, which files state with four digits or more.
 inline constexpr double k_azimuth_rounding = 1e-4;
@@ -115,7 +115,7 @@ inline void split_row(std::string_view line, char separator, std::vector<std::st
     if (separator != k_any_separator && separator != ' ') return split_fields(line, fields, separator);
     const std::string_view separators = separator == ' ' ? " \t" : " \t,";
     fields.clear();
-    for (auto word = next_word(line, separators); !word.empty() && fields.size() < k_most_fields;
+    for (auto word = next_word(line, separators); !word.empty() && fields.size() < k_max_fields;
          word = next_word(line, separators))
         fields.push_back(word);
 }

@@ -39,10 +39,10 @@ class Nearest {
   public:
     using DistanceType = float;
     using IndexType = std::uint32_t;
-    explicit Nearest(std::size_t most) : most_(most) {}
+    explicit Nearest(std::size_t max) : max_(max) {}
     std::size_t size() const { return count_; }
     bool empty() const { return count_ == 0; }
-    bool full() const { return count_ == most_; }
+    bool full() const { return count_ == max_; }
     void sort() const {}  // they are sorted
     bool addPoint(float distance2, std::uint32_t sample) {
         const std::pair found(distance2, sample);
@@ -62,7 +62,7 @@ class Nearest {
 
   private:
     static constexpr int k_patience = 2000;  // known measurements need at most 108
-    std::size_t most_, count_ = 0;
+    std::size_t max_, count_ = 0;
     std::array<std::pair<float, std::uint32_t>, k_neighbours + 1> found_;
     mutable int candidates_ = 0;
 };
@@ -142,7 +142,7 @@ struct Blend {
     template <typename Number> float interpolate(const Number& number) const {
         double sum = 0;
         for (std::uint32_t k = 0; k < count; ++k) sum += weight[k] * double(number(sample[k]));
-        return float(std::clamp<double>(sum, -k_most_float, k_most_float));
+        return float(std::clamp<double>(sum, -k_max_float, k_max_float));
     }
     Rgb colour(const ScatteredSamples& samples) const {
         const auto channel = [&](int c) { return interpolate([&](std::size_t i) { return samples.colour[i][c]; }); };

@@ -19,8 +19,8 @@ Result<ScatteredSamples> samples_of_rows(std::vector<SpectralRow>& rows, std::si
     for (const SpectralRow& row : rows)
         if (wavelengths.empty() || row[k_wavelength_column] != wavelengths.back())
             wavelengths.push_back(row[k_wavelength_column]);
-    if (wavelengths.size() > k_most_columns || !are_wavelengths(wavelengths))
-        return Error{file_name, {}, "wavelengths", fmt::format("at most {}, from 1e-7 to 1e-4 m", k_most_columns), {}};
+    if (wavelengths.size() > k_max_columns || !are_wavelengths(wavelengths))
+        return Error{file_name, {}, "wavelengths", fmt::format("at most {}, from 1e-7 to 1e-4 m", k_max_columns), {}};
     // Ties are ordered by their bits, so that sums have a fixed order; a number may be NaN.
     const auto key = [](const SpectralRow& row) {
         return std::array{std::bit_cast<std::uint32_t>(row[k_value_column]),

@@ -140,14 +140,14 @@ HWY_EXPORT(evaluate_rgl);
 HWY_EXPORT(evaluate_merl);
 
 namespace {
-constexpr std::size_t k_most_numbers = std::size_t(1) << 29;  // indices of bytes fit in 32 bits
+constexpr std::size_t k_max_numbers = std::size_t(1) << 29;  // indices of bytes fit in 32 bits
 }
 
 void evaluate_signed(const RglTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
     const StandardArithmetic mode;
     require_equal_lengths(wl.size(), wv.size(), f.size());
-    if (table.phi_l.empty() && 2 * table.visible.nodes.size() < k_most_numbers &&
-        3 * table.colour.nodes.size() < k_most_numbers)
+    if (table.phi_l.empty() && 2 * table.visible.nodes.size() < k_max_numbers &&
+        3 * table.colour.nodes.size() < k_max_numbers)
         return HWY_DYNAMIC_DISPATCH(evaluate_rgl)(table, wl.data(), wv.data(), f.data(), f.size());
     for (std::size_t i = 0; i < f.size(); ++i) f[i] = signed_value(table, wl[i], wv[i]);
 }
@@ -155,7 +155,7 @@ void evaluate_signed(const RglTable& table, std::span<const Vec3f> wl, std::span
 void evaluate_signed(const MerlTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
     const StandardArithmetic mode;
     require_equal_lengths(wl.size(), wv.size(), f.size());
-    if (3 * table.cells.size() < k_most_numbers)
+    if (3 * table.cells.size() < k_max_numbers)
         return HWY_DYNAMIC_DISPATCH(evaluate_merl)(table, wl.data(), wv.data(), f.data(), f.size());
     for (std::size_t i = 0; i < f.size(); ++i) f[i] = signed_value(table, wl[i], wv[i]);
 }

@@ -125,9 +125,9 @@ Safetensors Kind<BsdfModel>::content(const BsdfModel& bsdf) {
 Result<BsdfModel> Kind<BsdfModel>::read(Safetensors& content, const std::string& file_name) {
     BsdfModel bsdf;
     for (std::size_t p = 0; p < k_parts; ++p) {
-        Safetensors of_part = take_part(content, Part(p));
-        if (of_part.tensors.empty() && of_part.metadata.empty()) continue;
-        auto part = model_of(std::move(of_part), true, file_name);
+        Safetensors part_content = take_part(content, Part(p));
+        if (part_content.tensors.empty() && part_content.metadata.empty()) continue;
+        auto part = model_of(std::move(part_content), true, file_name);
         if (!part) {
             Error error = part.error();
             error.what = fmt::format("{}: {}", k_part_names[p], error.what);

@@ -4,7 +4,7 @@
 #include <ranges>
 
 #include "brdf/values.h"
-#include "observe/bound.h"
+#include "observe/excess.h"
 #include "observe/pairs.h"
 #include "srbf/elementary.h"
 
@@ -12,7 +12,7 @@ namespace SRBF_NAMESPACE {
 namespace {
 
 /// The views' cosθv fall from 1 to this by a constant factor. Views of the same cosine share k_light_directions.
-constexpr double k_least_bounded_cosine = 1e-3;
+constexpr double k_min_bounded_cosine = 1e-3;
 constexpr int k_bounded_views = 36, k_light_directions = 4096;
 /// In the end a model that is above this fraction of the limit is checked at more views by finer quadratures.
 constexpr double k_checked_excess = 0.97;
@@ -23,7 +23,7 @@ constexpr double k_aim = 0.995;
 /// The cost grows by this factor where a round still exceeds the bound.
 constexpr double k_bound_cost_growth = 4;
 
-double most_albedo(std::span<const Rgb> f, std::span<const double> weight) {
+double max_albedo(std::span<const Rgb> f, std::span<const double> weight) {
     return std::ranges::max(weighted_sum(f, weight));
 }
 
@@ -58,20 +58,20 @@ PmModel lowered_at_views(const AlbedoBound& bound, PmModel model) {
 
 }  // namespace
 
-double most_measured_albedo(const Observations& observations) {
-    double most = 0;
+double max_measured_albedo(const Observations& observations) {
+    double max = 0;
     for (const ObservedIntegral& integral : observations.integrals) {
         if (integral.wv.empty() || elementary::acos(double(integral.wv[0].z)) > k_steepest_trusted) continue;
-        most = std::max(most, most_albedo(integral.f, integral.weight));
+        max = std::max(max, max_albedo(integral.f, integral.weight));
     }
-    return most;
+    return max;
 }
 
 AlbedoBound::AlbedoBound(double limit, int azimuths, bool is_fine) : limit_(limit) {
     const MirrorMixture mixture(k_horizon_theta);
     const int cosines = is_fine ? k_fine_views : k_bounded_views;
     for (int i = 0; i < cosines * azimuths; ++i) {
-        const double cosine = elementary::pow(k_least_bounded_cosine, double(i % cosines) / (cosines - 1));
+        const double cosine = elementary::pow(k_min_bounded_cosine, double(i % cosines) / (cosines - 1));
         const Vec3d wv = spherical(elementary::acos(cosine), k_golden_angle * double(i));
         views_.push_back({to_float(wv),
                           is_fine ? albedo_quadrature(wv, k_pi / 2, k_fine_light_directions)
@@ -95,7 +95,7 @@ ObservedIntegral AlbedoBound::bound_of(const View& view, std::vector<Rgb> values
     ObservedIntegral bound;
     bound.wl = view.light.w, bound.wv.assign(bound.wl.size(), view.wv), bound.weight = view.light.weight;
     for (const Rgb& f : values) bound.f.push_back({factor * f.r, factor * f.g, factor * f.b});
-    bound.least_unit = 1, bound.is_bound = true;
+    bound.min_unit = 1, bound.is_bound = true;
     return bound;
 }
 
@@ -105,7 +105,7 @@ std::size_t AlbedoBound::add_exceeded(Observations& observations, const Evaluate
     std::size_t count = 0;
     for (View& view : views_) {
         std::vector<Rgb> values = values_towards(model, view.light.w, view.wv);
-        const double albedo = most_albedo(values, view.light.weight);
+        const double albedo = max_albedo(values, view.light.weight);
         if (albedo <= limit_) continue;
         ++count;
         if (view.integral) {
@@ -119,7 +119,7 @@ std::size_t AlbedoBound::add_exceeded(Observations& observations, const Evaluate
     return count;
 }
 
-PmModel lowered_to(const AlbedoBound& bound, PmModel model) {
+PmModel limit_albedo(const AlbedoBound& bound, PmModel model) {
     const auto excess = [&](const AlbedoBound& checked) { return checked.excess(evaluator(model)); };
     if (excess(bound) > 1) model = lowered_at_views(bound, std::move(model));
     if (excess(bound) < k_checked_excess) return model;

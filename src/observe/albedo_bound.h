@@ -19,7 +19,7 @@ constexpr double default_albedo_limit(PmForm form) {
 
 /// The largest directional albedo of a channel that was measured at views up to 80°. At larger angles a table's values
 /// are quotients by small cosines.
-double most_measured_albedo(const Observations& observations);
+double max_measured_albedo(const Observations& observations);
 
 /// Limits the directional albedo of a fit at views from the normal to cosθv = 0.001, in every channel.
 class AlbedoBound {
@@ -55,6 +55,6 @@ class AlbedoBound {
 /// the largest albedo, the lobe that has the largest fraction of its own albedo there is lowered, and so on. So a lobe
 /// that rises only at the horizon does not darken the others. An albedo near the limit is also checked between the
 /// views.
-PmModel lowered_to(const AlbedoBound& bound, PmModel model);
+PmModel limit_albedo(const AlbedoBound& bound, PmModel model);
 
 }  // namespace srbf

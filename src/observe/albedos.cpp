@@ -91,16 +91,16 @@ std::vector<ObservedIntegral> observe_albedos(const Evaluate& f, const ObserveOp
     const std::size_t steeper = angles.size();
     // A caller who asks for less than the default does not trust values beyond it.
     const bool trusts_all = !(theta_max < default_max_theta(options.objective));
-    if (traits(options.objective).of_pictures && options.horizon_albedos && trusts_all)
+    if (traits(options.objective).uses_pictures && options.horizon_albedos && trusts_all)
         for (const double cosine : k_horizon_cosines) angles.push_back(elementary::acos(cosine));
     std::vector<ObservedIntegral> albedos(angles.size());
     parallel_for(albedos.size(), options.threads, [&](std::size_t k) {
         // Isotropic data allow any azimuth; for other data the azimuths are spread.
-        const double least = options.smoothed ? k_beside_normal_of_noise : 0;
-        const Vec3d wv = spherical(std::max(angles[k], least), k_golden_angle * double(k));
+        const double min = options.smoothed ? k_beside_normal_of_noise : 0;
+        const Vec3d wv = spherical(std::max(angles[k], min), k_golden_angle * double(k));
         const bool at_horizon = k >= steeper;
         albedos[k] = observe_albedo(f, options, wv, at_horizon ? k_horizon_theta : theta_max);
-        if (at_horizon) albedos[k].least_unit = k_horizon_albedo;
+        if (at_horizon) albedos[k].min_unit = k_horizon_albedo;
         albedos[k].in_search = k % 2 == 0;
     });
     // The last albedo is a bound. Many tables diverge beyond their last measured angle, where it would act as a

@@ -6,13 +6,13 @@
 constexpr double k_bright_quantile = 0.75;
 
 /// A sum of f cosθl and a positive number is at least this fraction of that number, whatever noise below 0 it contains.
-constexpr double k_least_left = 0.1;
+constexpr double k_min_left = 0.1;
 
 /// f cosθl + s, with the s of `Objective::appearance`.
 template <typename Real> SRBF_FN Real above_dark(Real f, Real bright, Real cos_l) {
     using std::max;
     const Real s = Real(k_dark_share) * bright;
-    return max(f * cos_l + s, Real(k_least_left) * s);
+    return max(f * cos_l + s, Real(k_min_left) * s);
 }
 template <typename Real> SRBF_FN Real displayed_slope(Real f, Real bright, Real cos_l) {
     using elementary::pow;
@@ -27,7 +27,7 @@ template <typename Real> SRBF_FN Real display_weight(Real f, Real bright, Real c
 /// rim of a picture, which is narrow.
 template <typename Real> SRBF_FN Real highlight_weight(Real f, Real bright, Real cos_l, Real cos_v) {
     using elementary::pow, std::max, std::sqrt;
-    return cos_l * cos_l * pow(max(Real(1) + f * cos_l / bright, Real(k_least_left)), -4.0 / 3) * sqrt(cos_v);
+    return cos_l * cos_l * pow(max(Real(1) + f * cos_l / bright, Real(k_min_left)), -4.0 / 3) * sqrt(cos_v);
 }
 template <typename Real> SRBF_FN Real cosine_weight(Real, Real, Real cos_l, Real cos_v) {
     return cos_l * cos_l * cos_v;

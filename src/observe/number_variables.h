@@ -6,12 +6,12 @@
 
 namespace SRBF_NAMESPACE {
 
-/// A number as a variable x in [0, 1] of the search: x is the share of the range from `least` to the
+/// A number as a variable x in [0, 1] of the search: x is the share of the range from `min` to the
 /// member's largest value. For a colour the share is x², which is closer to visible differences.
 template <typename M> struct NumberVariable {
     const Member<M>* member;
     int channel;
-    float least;
+    float min;
 };
 /// The variables of a search; other numbers of the model are those of `fixed`.
 template <typename M> struct NumberVariables {
@@ -21,24 +21,23 @@ template <typename M> struct NumberVariables {
     M model(const Eigen::VectorXd& x) const {
         M model = fixed;
         for (std::size_t i = 0; i < all.size(); ++i) {
-            const auto [member, c, least] = all[i];
+            const auto [member, c, min] = all[i];
             const double root = x[Eigen::Index(i)], share = member->colour ? root * root : root;
             for (int k = c; k < member->count(); ++k)  // a grey colour has one variable, its first channel
-                number(model, *member, k) = float(double(least) + share * double(member->most - least));
+                number(model, *member, k) = float(double(min) + share * double(member->max - min));
         }
         return model;
     }
     Eigen::VectorXd x_of(const M& model) const {
         Eigen::VectorXd x(Eigen::Index(all.size()));
         for (std::size_t i = 0; i < all.size(); ++i) {
-            const auto [member, c, least] = all[i];
-            const double share =
-                std::max(double(number(model, *member, c) - least) / double(member->most - least), 0.0);
+            const auto [member, c, min] = all[i];
+            const double share = std::max(double(number(model, *member, c) - min) / double(member->max - min), 0.0);
             x[Eigen::Index(i)] = member->colour ? std::sqrt(share) : share;
         }
         return x;
     }
-    Eigen::VectorXd most() const { return Eigen::VectorXd::Ones(Eigen::Index(all.size())); }
+    Eigen::VectorXd max() const { return Eigen::VectorXd::Ones(Eigen::Index(all.size())); }
 };
 
 }  // namespace srbf

@@ -120,14 +120,14 @@ Result<Done> validate(const Observations& observations, std::size_t parameters) 
 namespace {
 
 /// Cosines below this count as this.
-constexpr float k_least_weight_cosine = 1e-6f;
+constexpr float k_min_weight_cosine = 1e-6f;
 
 /// Replaces `count` values of each pair by their mean with the values of the exchanged pair.
 void average(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::size_t count, float* f,
              const float* exchanged) {
     for (std::size_t i = 0; i < wl.size(); ++i) {
-        const float cosine_l = std::max(wl[i].z, k_least_weight_cosine),
-                    cosine_v = std::max(wv[i].z, k_least_weight_cosine), share = cosine_v / (cosine_v + cosine_l);
+        const float cosine_l = std::max(wl[i].z, k_min_weight_cosine),
+                    cosine_v = std::max(wv[i].z, k_min_weight_cosine), share = cosine_v / (cosine_v + cosine_l);
         for (std::size_t c = i * count; c < (i + 1) * count; ++c) {
             if (std::isnan(exchanged[c])) continue;
             f[c] = std::isnan(f[c]) ? exchanged[c] : share * f[c] + (1 - share) * exchanged[c];

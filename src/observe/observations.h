@@ -36,7 +36,7 @@ inline double albedo_error_of_noise(double noise) {
 }
 /// Upper limit of the loss that scales the cost of albedos: a fit that cannot follow the data gains nothing from an
 /// albedo that is right by chance.
-inline constexpr double k_most_albedo_loss = 0.004;
+inline constexpr double k_max_albedo_loss = 0.004;
 /// Errors of albedos near the horizon are relative to at least this value: few pixels show them. With smaller
 /// values (0.3 to 0.5) ΔE_ITP rose.
 inline constexpr double k_horizon_albedo = 1;
@@ -59,7 +59,7 @@ struct ObservedIntegral {
     bool in_search = true;       ///< also used by a search, which has few pairs
     double cost = 1;             ///< cost of its relative error, compared with the costs of other integrals
     bool is_bound = false;       ///< true for a bound that a fit exceeded, whose cost does not lower the others
-    double least_unit = 0;       ///< its errors are relative to its luminance, or to this if this is larger
+    double min_unit = 0;         ///< its errors are relative to its luminance, or to this if this is larger
     /// a second lower limit of that unit, for noisy values; for every n-th direction it is divided by √n
     double noise_unit = 0;
 };
@@ -100,8 +100,8 @@ struct Observations {
     std::uint64_t masked = 0;         ///< number of sampled pairs where nothing was measured
     std::uint64_t clamped = 0;        ///< number of negative channel values at sampled pairs
     /// Lower bound on the roughness of microfacet lobes; 0: samples are dense, like those of a table. See
-    /// `least_roughness`.
-    double least_roughness = 0;
+    /// `min_roughness`.
+    double min_roughness = 0;
     std::vector<float> wavelengths;  ///< [nm] C wavelengths of spectral observations; otherwise empty
     std::vector<float> spectrum;     ///< f at each wavelength: observations × C [1/sr], ≥ 0
 
@@ -164,7 +164,7 @@ Result<double> valid_theta(Objective objective, double max_theta);
 /// proportional to (cosθl cosθv)². They keep the fit at the measurement's order of magnitude where it is not fitted.
 ///
 /// The *bound pairs* follow: the grid, which includes the edges of the hemisphere, 32,768 pairs around the mirror
-/// direction, and for appearance `brink_grid`.
+/// direction, and for appearance `grazing_grid`.
 ///
 /// The integrals are the albedos at 0, 15, 30, 45, 60, 70, 75, 80 and 85°, as far as these lie within θmax.
 /// Appearance with its default θmax adds albedos where cosθv is 0.03, 0.01 and, unless the table diverges there,

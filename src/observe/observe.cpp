@@ -11,12 +11,12 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-constexpr double k_least_theta = k_degree;
-constexpr std::size_t k_least_count = 1024, k_most_count = std::size_t(1) << 24;
+constexpr double k_min_theta = k_degree;
+constexpr std::size_t k_min_count = 1024, k_max_count = std::size_t(1) << 24;
 /// One horizon pair follows this many other pairs.
 constexpr std::size_t k_pairs_per_horizon_pair = 7;
-/// The pool of pairs is this many times as large as the observations, at most k_most_pairs.
-constexpr std::size_t k_pool = 8, k_most_pairs = std::size_t(1) << 20;
+/// The pool of pairs is this many times as large as the observations, at most k_max_pairs.
+constexpr std::size_t k_pool = 8, k_max_pairs = std::size_t(1) << 20;
 /// This fraction is chosen with probability proportional to Σ w |f|², the rest uniformly (docs/fitting.md, Pairs).
 constexpr double k_by_energy = 0.5;
 /// Number of pairs that one task evaluates.
@@ -25,8 +25,8 @@ constexpr std::size_t k_part = 4096;
 /// Evaluates f at the pairs `draw(i)`, i < count, and keeps those that exist and have a value, in order.
 template <typename DrawAt>
 Observations evaluate_pairs(const Evaluate& f, std::size_t count, int threads, const DrawAt& draw, Reporter& reporter) {
-    std::vector<Observations> parts(part_count(count, k_part));
-    parallel_for_parts(count, k_part, threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<Observations> parts(chunk_count(count, k_part));
+    parallel_for_chunks(count, k_part, threads, [&](std::size_t begin, std::size_t end) {
         if (!reporter.advance("observing", double(k_part))) return;
         std::vector<Vec3f> wl, wv;
         std::vector<double> weight;
@@ -75,11 +75,11 @@ struct MeasuredPairs {
 };
 Result<MeasuredPairs> measure_pairs(const Evaluate& f, double theta_max, const ObserveOptions& options,
                                     const ProgressToken& progress) {
-    const PairDraws draws(theta_max, traits(options.objective).of_pictures, k_mirror_pairs / options.fewer,
+    const PairDraws draws(theta_max, traits(options.objective).uses_pictures, k_mirror_pairs / options.fewer,
                           std::mt19937_64(options.seed));
     const std::size_t horizon_count = options.count / (k_pairs_per_horizon_pair + 1);
     const std::size_t count = options.count - horizon_count,
-                      pool_count = std::max(count, std::min(k_pool * count, k_most_pairs) / options.fewer);
+                      pool_count = std::max(count, std::min(k_pool * count, k_max_pairs) / options.fewer);
     // Twice as many horizon pairs as needed, because not every draw is a pair with a measurement.
     Reporter reporter(progress, double(pool_count + 2 * horizon_count + draws.bound_pairs()));
     const auto evaluate = [&](std::size_t number, auto kind) {
@@ -142,9 +142,9 @@ void add_fitted(Observations& observations, const MeasuredPairs& measured, const
 
 Result<double> valid_theta(Objective objective, double max_theta) {
     const double theta = max_theta == 0 ? default_max_theta(objective) : max_theta;
-    if (theta >= k_least_theta && theta <= k_horizon_theta) return theta;
+    if (theta >= k_min_theta && theta <= k_horizon_theta) return theta;
     return argument_error("observe", "max_theta",
-                          fmt::format("{:g} to {:g} degrees", k_least_theta / k_degree, k_horizon_theta / k_degree),
+                          fmt::format("{:g} to {:g} degrees", k_min_theta / k_degree, k_horizon_theta / k_degree),
                           fmt::format("{:g}", theta / k_degree));
 }
 
@@ -152,7 +152,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
     const StandardArithmetic mode;
     const auto theta_max = valid_theta(options.objective, options.max_theta);
     if (!theta_max) return theta_max.error();
-    if (const auto valid = require_range("observe", "count", options.count, k_least_count, k_most_count); !valid)
+    if (const auto valid = require_range("observe", "count", options.count, k_min_count, k_max_count); !valid)
         return valid.error();
     const auto measured = measure_pairs(f, *theta_max, options, progress);
     if (!measured) return measured.error();
@@ -169,7 +169,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
     observations.append(bound);
     observations.bound_pairs = bound.f.size();
     observations.integrals = observe_albedos(f, options, *theta_max);
-    if (traits(options.objective).of_pictures) {
+    if (traits(options.objective).uses_pictures) {
         observations.views = observe_views(options.smoothed ? options.smoothed : f, *theta_max, options.threads);
         observations.integral_error =
             options.smoothed ? albedo_error_of_noise(options.noise) : k_albedo_error_with_pixels;

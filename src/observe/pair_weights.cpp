@@ -65,7 +65,7 @@ constexpr ObjectiveTraits k_traits[] = {
      .weight = [](double f, double, double, double) { return f > 0 ? elementary::square(1 / f) : 0; },
      .response = [](double f, double mean, double) { return elementary::log(std::max(f, k_darkest * mean)); },
      .response_slope = [](double f, double, double) { return f > 0 ? 1 / f : 0; },
-     .of_scatter = true},
+     .is_for_scatter = true},
     {.objective = Objective::appearance,
      .name = "appearance",
      .summary = "visible error of pictures, about the sixth root of f cos(theta_l)",
@@ -75,7 +75,7 @@ constexpr ObjectiveTraits k_traits[] = {
      .further = {{{highlight_weight<double>, k_highlights}, {cosine_weight<double>, k_peaks}}},
      .response = displayed,
      .response_slope = displayed_slope<double>,
-     .of_pictures = true},
+     .uses_pictures = true},
 };
 constexpr auto k_objectives = [] {
     std::array<Objective, std::size(k_traits)> objectives{};
@@ -87,7 +87,7 @@ constexpr auto k_objectives = [] {
 /// square of g's slope, for an objective whose weights hold for small errors only; otherwise 1. It is clamped to [1 /
 /// most, most].
 double large_error_weight(Objective objective, const Rgb& f, const Rgb& fitted, double typical, double cos_l,
-                          double most) {
+                          double max) {
     const ObjectiveTraits& row = traits(objective);
     if (!row.response) return 1;
     double squares_of_response = 0;
@@ -96,7 +96,7 @@ double large_error_weight(Objective objective, const Rgb& f, const Rgb& fitted, 
                                                   row.response(double(fitted[c]), typical, cos_l));
     const double squares = squared_distance(f, fitted);
     const double small = elementary::square(row.response_slope(mean_of(f), typical, cos_l));
-    return squares > 0 ? std::clamp(squares_of_response / squares / small, 1 / most, most) : 1;
+    return squares > 0 ? std::clamp(squares_of_response / squares / small, 1 / max, max) : 1;
 }
 
 }  // namespace
@@ -120,7 +120,7 @@ std::optional<Objective> objective_named(std::string_view text) {
 double typical_value(Objective objective, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
                      std::span<const double> weight) {
     double sum = 0, total = 0;
-    if (!traits(objective).of_pictures) {
+    if (!traits(objective).uses_pictures) {
         for (std::size_t i = 0; i < f.size(); ++i) sum += weight[i] * mean_of(f[i]), total += weight[i];
         return total > 0 ? sum / total : 0;
     }
@@ -136,7 +136,7 @@ void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::
     const ObjectiveTraits& row = traits(objective);
     const std::vector<double> solid_angle(weight.begin(), weight.end());
     const auto fill = [&](auto& weights, const auto& weight_of) {
-        parallel_for_parts(f.size(), k_part, threads, [&](std::size_t begin, std::size_t end) {
+        parallel_for_chunks(f.size(), k_part, threads, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i)
                 weights[i] = solid_angle[i] * weight_of(mean_of(f[i]), typical, double(wl[i].z), double(wv[i].z));
         });
@@ -151,14 +151,14 @@ void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::
     }
 }
 
-void weigh_large_errors(Observations& observations, const Evaluate& fitted, double most, float least_cos) {
+void weigh_large_errors(Observations& observations, const Evaluate& fitted, double max, float min_cos) {
     if (!traits(observations.objective).response) return;
     std::vector<Rgb> f(observations.fitted_count());
     fitted(std::span(observations.wl).first(f.size()), std::span(observations.wv).first(f.size()), f);
     for (std::size_t i = 0; i < f.size(); ++i)
-        if (std::min(observations.wl[i].z, observations.wv[i].z) >= least_cos)
+        if (std::min(observations.wl[i].z, observations.wv[i].z) >= min_cos)
             observations.weight[i] *= large_error_weight(observations.objective, observations.f[i], f[i],
-                                                         observations.typical, double(observations.wl[i].z), most);
+                                                         observations.typical, double(observations.wl[i].z), max);
 }
 
 }  // namespace srbf

@@ -30,10 +30,10 @@ struct ObjectiveTraits {
     /// True for values over decades, where a sample on the flank of a peak determines its width. Lobes may be narrower
     /// than the spacing of the samples, and between samples a fit follows microfacets (`FacetMixture`), not
     /// interpolated values.
-    bool of_scatter = false;
+    bool is_for_scatter = false;
     /// true if weights are relative to f cosθl, the radiance under a directional light; a fit then observes extended
     /// lights too
-    bool of_pictures = false;
+    bool uses_pictures = false;
 };
 const ObjectiveTraits& traits(Objective objective);
 
@@ -50,11 +50,11 @@ void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::
 /// Models with few parameters, such as Lambert and GGX, leave large residuals. Their weights adapt to them in this
 /// many rounds, each by at most this factor.
 inline constexpr int k_facet_rounds = 8;
-inline constexpr double k_most_facet_change = 100;
+inline constexpr double k_max_facet_change = 100;
 
 /// Multiplies the weights of the fitted observations by `large_error_weight`, given the values of the fit. Applies
-/// only to observations both of whose cosines are at least `least_cos`.
-void weigh_large_errors(Observations& observations, const Evaluate& fitted, double most, float least_cos = 0);
+/// only to observations both of whose cosines are at least `min_cos`.
+void weigh_large_errors(Observations& observations, const Evaluate& fitted, double max, float min_cos = 0);
 
 std::span<const Objective> objectives();        ///< all objectives
 std::string_view summary(Objective objective);  ///< what it minimises, a line in ASCII

@@ -48,7 +48,7 @@ std::vector<DirectionPair> horizon_grid() {
     return grid;
 }
 
-std::vector<DirectionPair> brink_grid() {
+std::vector<DirectionPair> grazing_grid() {
     std::vector<DirectionPair> grid;
     add_grid(grid, k_brink_theta, k_brink_theta);
     add_grid(grid, k_brink_theta, k_grid_theta);
@@ -77,7 +77,7 @@ double ViewMixture::pdf(Vec3d w) const {
     return (k_uniform_views / (1 - cos_max_) + (1 - k_uniform_views) / (w.z * -elementary::log(cos_max_))) / (2 * k_pi);
 }
 
-PairDraws::PairDraws(double theta_max, bool to_the_brink, std::size_t mirror_pairs, std::mt19937_64 random)
+PairDraws::PairDraws(double theta_max, bool with_grazing_grid, std::size_t mirror_pairs, std::mt19937_64 random)
     : fitted_points_(random_sequence(random)),
       horizon_points_(random_sequence(random)),
       bound_points_(random_sequence(random)),
@@ -85,7 +85,7 @@ PairDraws::PairDraws(double theta_max, bool to_the_brink, std::size_t mirror_pai
       mirror_pairs_(mirror_pairs),
       views_(cos_max_),
       lights_(theta_max) {
-    if (to_the_brink) brink_ = brink_grid();
+    if (with_grazing_grid) grazing_ = grazing_grid();
 }
 
 std::optional<DrawnPair> PairDraws::fitted(std::size_t i) const {
@@ -106,11 +106,11 @@ std::optional<DrawnPair> PairDraws::horizon(std::size_t i) const {
     return u[0] < (1 + k_on_grid) / 2 ? DrawnPair{{w_edge, w_other}} : DrawnPair{{w_other, w_edge}};
 }
 
-std::size_t PairDraws::bound_pairs() const { return grid_.size() + mirror_pairs_ + brink_.size(); }
+std::size_t PairDraws::bound_pairs() const { return grid_.size() + mirror_pairs_ + grazing_.size(); }
 
 std::optional<DrawnPair> PairDraws::bound(std::size_t i) const {
     if (i < grid_.size()) return DrawnPair{grid_[i]};
-    if (i >= grid_.size() + mirror_pairs_) return DrawnPair{brink_[i - grid_.size() - mirror_pairs_]};
+    if (i >= grid_.size() + mirror_pairs_) return DrawnPair{grazing_[i - grid_.size() - mirror_pairs_]};
     const auto pair = pair_within(to_horizon_, bound_points_.at(i - grid_.size()));
     return pair ? std::optional(DrawnPair{*pair}) : std::nullopt;
 }

@@ -25,9 +25,9 @@ struct DirectionPair {
 /// diverges between observations does so towards an edge.
 std::vector<DirectionPair> horizon_grid();
 /// Pairs beyond that grid: light, viewer or both at 89.99 or 89.999°.
-std::vector<DirectionPair> brink_grid();
+std::vector<DirectionPair> grazing_grid();
 /// cos 89.95°, between the two grids.
-inline constexpr double k_brink_cosine = 8.7e-4;
+inline constexpr double k_grazing_cosine = 8.7e-4;
 
 /// A sequence of points of the unit cube that begins with a random one.
 RSequence<6> random_sequence(std::mt19937_64& random);
@@ -58,7 +58,7 @@ class ViewMixture {
 /// the cap.
 class PairDraws {
   public:
-    PairDraws(double theta_max, bool to_the_brink, std::size_t mirror_pairs, std::mt19937_64 random);
+    PairDraws(double theta_max, bool with_grazing_grid, std::size_t mirror_pairs, std::mt19937_64 random);
     std::optional<DrawnPair> fitted(std::size_t i) const;
     /// A node of the grid, or a pair in which at least one direction is beyond θmax, equally often wl and wv.
     std::optional<DrawnPair> horizon(std::size_t i) const;
@@ -71,7 +71,7 @@ class PairDraws {
     std::size_t mirror_pairs_;
     ViewMixture views_;
     MirrorMixture lights_, to_horizon_{k_horizon_theta};
-    std::vector<DirectionPair> grid_ = horizon_grid(), brink_;
+    std::vector<DirectionPair> grid_ = horizon_grid(), grazing_;
 };
 
 }  // namespace srbf

@@ -12,7 +12,7 @@ namespace SRBF_NAMESPACE {
 namespace {
 
 /// All sampled directions have the same points, each shifted by its own offset: remainders by primes, which differ
-/// for any two of at most k_most_views directions.
+/// for any two of at most k_max_views directions.
 RSequence<3> points_of_row(std::size_t i) {
     return RSequence<3>({double(i % 97) / 97, double(i % 89) / 89, double(i % 83) / 83});
 }
@@ -42,7 +42,7 @@ void sample_between(const Evaluate& f, Discretise discretise, Vec3f sampled, RSe
 
 Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options, const ProgressToken& progress) {
     const StandardArithmetic mode;
-    const auto valid = require_range("matrix", "number of directions", options.directions, k_least_views, k_most_views);
+    const auto valid = require_range("matrix", "number of directions", options.directions, k_min_views, k_max_views);
     if (!valid) return valid.error();
     const auto n = std::size_t(options.directions), m = std::size_t(options.between);
     RawMatrix matrix;

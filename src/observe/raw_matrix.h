@@ -8,7 +8,7 @@
 namespace SRBF_NAMESPACE {
 
 struct TabulateOptions {
-    int directions = 1536;                     ///< n, k_least_views..k_most_views
+    int directions = 1536;                     ///< n, k_min_views..k_max_views
     int between = 512;                         ///< m ≥ 0, the number used by a fit; 0: only the raw matrix
     Discretise discretise = Discretise::view;  ///< `SuModel::discretise` of the model to be fitted
     int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it

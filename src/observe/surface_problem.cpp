@@ -6,7 +6,7 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-constexpr std::size_t k_most_surface_pairs = 16384;
+constexpr std::size_t k_max_surface_pairs = 16384;
 
 std::size_t output_index(std::size_t i, std::size_t c) { return (3 * (i / k_block) + c) * k_block + i % k_block; }
 Rgb output_colour(const SurfaceData::Outputs& outputs, std::size_t i) {
@@ -55,7 +55,7 @@ void SurfaceData::add_views(const Observations& observations, std::size_t n) {
 }
 
 void SurfaceData::add_pairs(const Observations& observations, std::size_t n) {
-    const std::size_t fitted = std::min(observations.fitted_count(), k_most_surface_pairs / n);
+    const std::size_t fitted = std::min(observations.fitted_count(), k_max_surface_pairs / n);
     const auto append = [&](auto& column, const auto& all) {
         column.insert(column.end(), all.begin(), all.begin() + std::ptrdiff_t(fitted));
     };
@@ -68,10 +68,11 @@ void SurfaceData::add_pairs(const Observations& observations, std::size_t n, con
     Outputs outputs;
     PixelSlopes slopes;
     compute_outputs(model, f, outputs);
-    const double of_pixels = loss(outputs, slopes);
+    const double loss_of_pixels = loss(outputs, slopes);
     add_pairs(observations, n);
     compute_outputs(model, f, outputs);
-    const double of_pairs = pair_loss(outputs), scale = of_pairs > 0 ? share * of_pixels / of_pairs : 0;
+    const double loss_of_pairs = pair_loss(outputs),
+                 scale = loss_of_pairs > 0 ? share * loss_of_pixels / loss_of_pairs : 0;
     for (double& weight : weight_) weight *= scale;
 }
 

@@ -52,12 +52,12 @@ class SurfaceData {
 };
 
 /// The loss of a model as a function of variables x ≥ 0, for `levenberg_marquardt`. `Variables` has the members
-/// model(x), x_of(model) and most(), the upper bounds of x.
+/// model(x), x_of(model) and max(), the upper bounds of x.
 template <typename Variables> class SurfaceProblem {
   public:
     SurfaceProblem(const SurfaceData& data, Variables variables)
-        : data_(data), variables_(std::move(variables)), most_(variables_.most()) {
-        derivatives_.resize(std::size_t(most_.size()));
+        : data_(data), variables_(std::move(variables)), max_(variables_.max()) {
+        derivatives_.resize(std::size_t(max_.size()));
     }
 
     auto model(const Eigen::VectorXd& x) const { return variables_.model(x); }
@@ -73,7 +73,7 @@ template <typename Variables> class SurfaceProblem {
         for (std::size_t i = 0; i < derivatives_.size(); ++i) {
             Eigen::VectorXd changed = x;
             double& variable = changed[Eigen::Index(i)];
-            const double step = variable + k_slope_step <= most_[Eigen::Index(i)] ? k_slope_step : -k_slope_step;
+            const double step = variable + k_slope_step <= max_[Eigen::Index(i)] ? k_slope_step : -k_slope_step;
             variable += step;
             SurfaceData::Outputs& derivative = derivatives_[i];
             const auto model_beside = model(changed);
@@ -84,13 +84,13 @@ template <typename Variables> class SurfaceProblem {
         data_.linearise(outputs_, derivatives_, slopes_, H, g);
     }
     Eigen::VectorXd lower(const Eigen::VectorXd& x) const { return Eigen::VectorXd::Zero(x.size()); }
-    Eigen::VectorXd upper(const Eigen::VectorXd&) const { return most_; }
+    Eigen::VectorXd upper(const Eigen::VectorXd&) const { return max_; }
     Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const { return Eigen::VectorXd::Constant(x.size(), 0.25); }
 
   private:
     const SurfaceData& data_;
     Variables variables_;
-    Eigen::VectorXd most_;
+    Eigen::VectorXd max_;
     std::vector<Rgb> f_;
     SurfaceData::Outputs outputs_;
     std::vector<SurfaceData::Outputs> derivatives_;  ///< derivatives of the outputs by each variable
@@ -104,15 +104,15 @@ template <typename Model> struct SurfaceCandidate {
 
 /// A round of a search: the number of candidates that it takes, the n of `SurfaceData`, and the number of steps.
 struct SurfaceRound {
-    std::size_t candidates, n;
+    std::size_t candidates, subsampling;
     int steps;
 };
 
 /// Improves the first candidates by Levenberg-Marquardt, and sorts them by their loss. `variables_of` returns the
 /// variables of a model.
 template <typename Model, typename VariablesOf>
-void lower(std::vector<SurfaceCandidate<Model>>& candidates, const SurfaceRound& round, const SurfaceData& data,
-           const VariablesOf& variables_of, int threads) {
+void refine_candidates(std::vector<SurfaceCandidate<Model>>& candidates, const SurfaceRound& round,
+                       const SurfaceData& data, const VariablesOf& variables_of, int threads) {
     candidates.resize(std::min(candidates.size(), round.candidates));
     parallel_for(candidates.size(), threads, [&](std::size_t i) {
         auto& [model, loss] = candidates[i];

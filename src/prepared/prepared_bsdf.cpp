@@ -9,25 +9,25 @@ namespace SRBF_NAMESPACE {
 namespace {
 
 /// Lower bound on the probability of a part that reflects or transmits anything, relative to the sum of all.
-constexpr float k_least_chance = 1e-3f;
+constexpr float k_min_chance = 1e-3f;
 
 template <typename B>
 PreparedBsdf prepare_parts(const Parts<B>& parts, const Beams& beams, const ProposeOptions& options) {
     PreparedBsdf::PreparedParts ready_parts;
     for (std::size_t p = 0; p < k_parts; ++p) {
-        const Answering<B> answer = answering(parts, Part(p));
-        if (!answer.brdf) continue;
-        if (!answer.exchanged && !parts[p]) {  // the other side's part, which is ready
+        const PartSource<B> used = part_source(parts, Part(p));
+        if (!used.brdf) continue;
+        if (!used.exchanged && !parts[p]) {  // the other side's part, which is ready
             if (const auto& ready = ready_parts[std::size_t(counterpart(Part(p)))]) {
                 ready_parts[p] = ready;
                 continue;
             }
         }
-        B brdf = *answer.brdf;
-        if (answer.exchanged) exchange(brdf);
+        B brdf = *used.brdf;
+        if (used.exchanged) exchange(brdf);
         ready_parts[p] = prepare(std::move(brdf), options);
     }
-    return PreparedBsdf(std::move(ready_parts), completed(parts, beams));
+    return PreparedBsdf(std::move(ready_parts), complete_beams(parts, beams));
 }
 
 }  // namespace
@@ -74,7 +74,7 @@ PreparedBsdf::Chances PreparedBsdf::chances(Vec3f wv) const {
     float total = 0;
     for (std::size_t k = 0; k < 2; ++k) {
         if (parts_[std::size_t(chances.part[k])])
-            chances.part_chance[k] = std::max(chances.part_chance[k], k_least_chance * sum);
+            chances.part_chance[k] = std::max(chances.part_chance[k], k_min_chance * sum);
         total += chances.part_chance[k] + chances.beam_chance[k];
     }
     for (std::size_t k = 0; k < 2; ++k) chances.part_chance[k] /= total, chances.beam_chance[k] /= total;
@@ -122,8 +122,8 @@ BsdfSample sample(const PreparedBsdf& bsdf, Vec3f wv, Vec2f u, float selector) {
 ValuePdf value_pdf(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv) {
     const auto pair = to_part_frame(wl, wv);
     if (!pair || !bsdf.parts_[std::size_t(pair->part)]) return {};
-    const ValuePdf of_part = value_pdf(*bsdf.parts_[std::size_t(pair->part)], pair->wl, pair->wv);
-    return {of_part.value, bsdf.chance(pair->part, wv) * of_part.pdf};
+    const ValuePdf part_value = value_pdf(*bsdf.parts_[std::size_t(pair->part)], pair->wl, pair->wv);
+    return {part_value.value, bsdf.chance(pair->part, wv) * part_value.pdf};
 }
 
 float pdf(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv) {

@@ -12,7 +12,7 @@ namespace {
 
 using Row = MixtureProposal::Row;
 constexpr std::size_t k_nodes = MixtureProposal::k_nodes, k_mixed = MixtureProposal::k_lobes;
-constexpr float k_least_cosine_of_view = 1e-3f;  // cosine of the last node's view
+constexpr float k_min_cosine_of_view = 1e-3f;  // cosine of the last node's view
 
 }  // namespace
 
@@ -35,7 +35,7 @@ PreparedMap prepare_map(const TexelMap& map, const ProposeOptions& options) {
         const PreparedBrdf lobe = prepare(lobe_alone(map.basis, j), options);
         for (std::size_t node = 0; node < k_nodes; ++node) {
             const float root = 1 - float(node) / float(k_nodes - 1);
-            const float reflected = albedo(lobe, std::max(root * root, k_least_cosine_of_view)).g;
+            const float reflected = albedo(lobe, std::max(root * root, k_min_cosine_of_view)).g;
             const Row weight = mixture_of(lobe).weight(node);
             for (std::size_t k = 0; k < k_mixed; ++k) contents->lobe_weights[j][node][k] = reflected * weight[k];
         }

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "base/least_squares.h"
-#include "observe/bound.h"
+#include "observe/excess.h"
 #include "observe/pair_weights.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
@@ -60,13 +60,13 @@ FacetMixture fit_facets(const Observations& samples) {
     for (std::size_t i = 0; i < samples.fitted_count(); ++i) {
         Terms& row = terms.emplace_back(terms_at(samples.wl[i], samples.wv[i]));
         for (int r = 0; r < k_roughnesses; ++r)  // an amount whose factor is 0 at all samples becomes 0
-            if (roughness(r) < samples.least_roughness) row[std::size_t(1 + 2 * r)] = row[std::size_t(2 + 2 * r)] = 0;
+            if (roughness(r) < samples.min_roughness) row[std::size_t(1 + 2 * r)] = row[std::size_t(2 + 2 * r)] = 0;
     }
-    FacetMixture mixture{{}, k_most_excess * largest_measured(samples)};
+    FacetMixture mixture{{}, k_max_excess * largest_measured(samples)};
     for (int iteration = 0; iteration < k_facet_rounds; ++iteration) {
         for (int c = 0; c < 3; ++c) mixture.amounts[std::size_t(c)] = solve_channel(weighed, terms, c);
         weighed.weight = samples.weight;
-        weigh_large_errors(weighed, evaluator(mixture), k_most_facet_change);
+        weigh_large_errors(weighed, evaluator(mixture), k_max_facet_change);
     }
     return mixture;
 }

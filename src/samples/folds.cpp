@@ -17,11 +17,11 @@ using Point = std::array<double, 6>;
 /// Maps a pair to a point such that distances between points are √(|Δωl|² + |Δωv|²), to first order. For isotropic
 /// samples this is the minimum over all rotations about the normal and reflections.
 Point point_of(Vec3f l, Vec3f v, bool isotropic) {
-    constexpr double least = 1e-30;  // avoids a division by 0 where both directions are the normal
+    constexpr double min = 1e-30;  // avoids a division by 0 where both directions are the normal
     const Vec3d wl = to_double(l), wv = to_double(v);
     if (!isotropic) return {wl.x, wl.y, wl.z, wv.x, wv.y, wv.z};
     const double rl = elementary::hypot(wl.x, wl.y), rv = elementary::hypot(wv.x, wv.y),
-                 norm = std::max(elementary::hypot(rl, rv), least);
+                 norm = std::max(elementary::hypot(rl, rv), min);
     // Under a relative rotation by δ the distance is rl rv / √(rl² + rv²) δ, distributed over both directions.
     const double across = std::abs(wl.x * wv.y - wl.y * wv.x) / norm, along = (wl.x * wv.x + wl.y * wv.y) / norm;
     return {rl, wl.z, rv, wv.z, along, across};

@@ -5,7 +5,7 @@
 #include "base/errors.h"
 #include "measured/samples.h"
 #include "models/ggx/ggx_kind.h"
-#include "observe/bound.h"
+#include "observe/excess.h"
 #include "observe/pair_weights.h"
 #include "samples/observe_samples.h"
 #include "srbf/elementary.h"
@@ -16,7 +16,7 @@ namespace {
 
 /// A value on which several g_i agree is more likely than one of a single g. It may exceed the samples by more than
 /// a fit may.
-constexpr double k_most_agreed = 1.8;
+constexpr double k_max_agreed = 1.8;
 
 /// The priors at a pair of directions, combined.
 struct CombinedPriors {
@@ -37,7 +37,7 @@ CombinedPriors combine_priors(const GapFilledSamples& samples, Vec3f wl, Vec3f w
                 elementary::cbrt(std::min(double(g[c]) * area, limit)) / double(samples.priors.size());
         agreed = std::min(agreed, largest_of(g) * area);
     }
-    combined.bound = std::max(agreed, samples.least_bound);
+    combined.bound = std::max(agreed, samples.min_bound);
     return combined;
 }
 
@@ -52,7 +52,7 @@ GgxModel lambert(const Observations& samples) {
 /// A lobe must lower the weighted squared error of f or the squared error of ∛(f A) by a larger fraction than this
 /// number divided by the number of samples. If height, roughness and F90 are fitted to the noise of one channel,
 /// they lower the error by 3 on average, and by 20 in one of a few thousand sets of samples.
-constexpr double k_least_gain_of_lobe = 20;
+constexpr double k_min_gain_of_lobe = 20;
 
 /// Σ (∛(f A) − ∛(g A))² over samples and channels.
 double root_error(const Observations& samples, const GgxModel& g) {
@@ -69,20 +69,20 @@ double root_error(const Observations& samples, const GgxModel& g) {
 
 /// Fits Lambert and GGX, with the weights of the objective, to samples of weight 1, each of which occurs twice.
 /// The results have at most one and at most two lobes, as many as the samples support.
-Result<std::array<GgxModel, k_most_ggx_lobes>> fit_priors(Objective objective, Observations samples, int threads) {
+Result<std::array<GgxModel, k_max_ggx_lobes>> fit_priors(Objective objective, Observations samples, int threads) {
     samples.objective = objective;
     samples.typical = typical_value(objective, samples.wl, samples.wv, samples.f, samples.weight);
     if (!(samples.typical > 0)) return no_data_error("samples", "values within the largest angle", "some above 0");
     weigh(objective, samples.typical, samples.wl, samples.wv, samples.f, samples.weight, threads);
     samples.normalise();
-    const double enough = 1 + k_least_gain_of_lobe / (double(samples.f.size()) / 2);
+    const double enough = 1 + k_min_gain_of_lobe / (double(samples.f.size()) / 2);
     const auto errors_of = [&](const GgxModel& g) {
         return std::array{loss_of(samples, evaluator(g)), root_error(samples, g)};
     };
-    std::array<GgxModel, k_most_ggx_lobes> at_most;
+    std::array<GgxModel, k_max_ggx_lobes> at_most;
     GgxModel simplest = lambert(samples);
     auto errors = errors_of(simplest);
-    for (int lobes = 1; lobes <= k_most_ggx_lobes; ++lobes) {
+    for (int lobes = 1; lobes <= k_max_ggx_lobes; ++lobes) {
         auto fit = Kind<GgxModel>::fit(samples, {lobes}, {.threads = threads});
         if (!fit) return fit.error();
         const auto lower = errors_of(fit->unrounded);
@@ -107,8 +107,8 @@ Result<GapFilledSamples> fill_gaps(const ScatteredSamples& samples, double max_t
         filled.priors.insert(filled.priors.end(), {(*appearance_priors)[0], (*cosine_priors)[1]});
     }
     const double largest = largest_measured(observed);
-    filled.least_bound = (is_single ? k_most_excess : 1) * largest;
-    filled.prior_limit = (is_single ? k_most_excess : k_most_agreed) * largest;
+    filled.min_bound = (is_single ? k_max_excess : 1) * largest;
+    filled.prior_limit = (is_single ? k_max_excess : k_max_agreed) * largest;
     ScatteredSamples& residual = filled.residual;
     residual.isotropic = samples.isotropic;
     residual.wl = observed.wl, residual.wv = observed.wv;

@@ -13,7 +13,7 @@ namespace SRBF_NAMESPACE {
 /// priors, and for the nearest samples k the values f_k, A_k, e_k and the weights w_k of `ScatteredSamples`,
 ///   f A = (e + Σ_k w_k (∛(f_k A_k) − e_k) / Σ_k w_k)³ [1/sr].
 /// Each g_i A is clamped to `prior_limit`, or to the least Lambert term of the g_i times A if that is larger. f A is
-/// clamped to 0..b, where b is the least g_i A (in its largest channel), but at least `least_bound`: highlights exceed
+/// clamped to 0..b, where b is the least g_i A (in its largest channel), but at least `min_bound`: highlights exceed
 /// the samples only where all priors do. At a sample, f is the sample's own value. Between distant samples it has the
 /// highlight of microfacet models, where interpolation alone would leave a band or a gap.
 struct GapFilledSamples {
@@ -22,7 +22,7 @@ struct GapFilledSamples {
     std::vector<GgxModel> priors;
     ScatteredSamples residual;  ///< its colours are ∛(f A) − e
     /// the largest f A of the samples; with a single g, which no other contradicts, `prior_limit`
-    double least_bound = 0;
+    double min_bound = 0;
     double prior_limit = 0;  ///< 1.8 times the largest f A of the samples; with a single g 1.6 times, as for fits
 };
 /// `is_single`: use the first g alone, in a third of the time.

@@ -6,7 +6,7 @@
 #include "base/floating_point.h"
 #include "errors/measures.h"
 #include "measured/tables.h"
-#include "observe/bound.h"
+#include "observe/excess.h"
 #include "observe/pair_weights.h"
 #include "observe/pairs.h"
 #include "samples/facets.h"
@@ -36,9 +36,9 @@ Observations choose_largest(const Observations& candidates, double level) {
     if (size.size() < k_pairs_of_band) return largest;
     std::vector<double> sorted = size;
     std::ranges::nth_element(sorted, sorted.begin() + std::ptrdiff_t(k_pairs_of_band) - 1, std::greater());
-    const double least = std::min(k_level * level, sorted[k_pairs_of_band - 1]);
+    const double min = std::min(k_level * level, sorted[k_pairs_of_band - 1]);
     for (std::size_t i = 0; i < size.size() && largest.f.size() < k_pairs_of_band; ++i)
-        if (size[i] >= least) largest.add(candidates.wl[i], candidates.wv[i], candidates.f[i], candidates.weight[i]);
+        if (size[i] >= min) largest.add(candidates.wl[i], candidates.wv[i], candidates.f[i], candidates.weight[i]);
     largest.normalise();
     return largest;
 }
@@ -86,7 +86,7 @@ Result<Observations> observe_gap_filled(const Evaluate& filled, const Observatio
     if (is_quick) observations.views.clear();
     observations.resize(table->fitted_count());
     observations.append(observed);
-    if (!is_quick && traits(options.objective).of_pictures)
+    if (!is_quick && traits(options.objective).uses_pictures)
         add_grazing(observations, filled, largest_measured(observed), options);
     std::mt19937_64 random(options.seed);
     observations.shuffle(random);
@@ -104,7 +104,7 @@ std::vector<std::size_t> samples_within(const ScatteredSamples& samples, double 
     return which;
 }
 
-double least_roughness(std::span<const Vec3f> wl, std::span<const Vec3f> wv) {
+double min_roughness(std::span<const Vec3f> wl, std::span<const Vec3f> wv) {
     std::vector<double> slopes;
     for (std::size_t i = 0; i < wl.size(); ++i) {
         const Vec3d sum = to_double(wl[i]) + to_double(wv[i]);
@@ -118,7 +118,7 @@ double least_roughness(std::span<const Vec3f> wl, std::span<const Vec3f> wv) {
     return std::max(first, std::isfinite(second) ? second / 4 : 0);
 }
 
-Observations observations_of(const ScatteredSamples& samples, std::span<const std::size_t> which, bool both_ways,
+Observations observations_of(const ScatteredSamples& samples, std::span<const std::size_t> which, bool add_exchanged,
                              bool spectral) {
     Observations observations;
     if (spectral) observations.wavelengths = samples.wavelengths;
@@ -127,13 +127,13 @@ Observations observations_of(const ScatteredSamples& samples, std::span<const st
         Rgb f = samples.colour[i];
         const auto measured = samples.spectrum.begin() + std::ptrdiff_t(i * C);
         std::vector<float> spectrum(measured, measured + std::ptrdiff_t(C));
-        const int of_colour = clamp_negative(f), of_spectrum = clamp_negative(spectrum);
-        observations.clamped += std::uint64_t(spectral ? of_spectrum : of_colour);
+        const int clamped_colours = clamp_negative(f), clamped_spectrum = clamp_negative(spectrum);
+        observations.clamped += std::uint64_t(spectral ? clamped_spectrum : clamped_colours);
         const double weight = samples.weight.empty() ? 1 : double(samples.weight[i]);
         observations.add(samples.wl[i], samples.wv[i], f, weight, spectrum);
-        if (both_ways) observations.add(samples.wv[i], samples.wl[i], f, weight, spectrum);
+        if (add_exchanged) observations.add(samples.wv[i], samples.wl[i], f, weight, spectrum);
     }
-    observations.least_roughness = least_roughness(observations.wl, observations.wv);
+    observations.min_roughness = min_roughness(observations.wl, observations.wv);
     return observations;
 }
 
@@ -171,7 +171,7 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
     if (!options.fill_gaps) return observed;
 
     Evaluate expected;
-    if (traits(options.objective).of_scatter) {
+    if (traits(options.objective).is_for_scatter) {
         expected = evaluator(fit_facets(observed.samples));
     } else {
         auto filled = fill_gaps(samples, *theta_max, options.threads, options.only_gap_filled > 0);

@@ -8,7 +8,7 @@
 SRBF_BEGIN
 
 /// The least weight of the cosine in a mixture.
-inline constexpr float k_least_cosine = 0.02f;
+inline constexpr float k_min_cosine = 0.02f;
 /// The stretches among which one is chosen for a mixture with an axis.
 inline constexpr std::array<float, 8> k_stretches{1, 1.4f, 2, 2.8f, 4, 5.6f, 8, 16};
 
@@ -38,7 +38,7 @@ const LobeTable& lobe_table();
 /// The numbers of a node: weights of the lobes and, if there are facets, of these; stretch and power of half-vector
 /// lobes; then the matrices of facets.
 inline constexpr std::size_t k_shape_numbers = 2, k_node_numbers = MixtureProposal::k_components + k_shape_numbers + 6;
-inline std::vector<float> numbers_of(const MixtureProposal& proposal, std::size_t node, bool has_facets) {
+inline std::vector<float> node_numbers(const MixtureProposal& proposal, std::size_t node, bool has_facets) {
     std::vector<float> numbers(proposal.weight(node).begin(), proposal.weight(node).end());
     if (has_facets)
         numbers.insert(numbers.end(), proposal.facet_weight[node].begin(), proposal.facet_weight[node].end());

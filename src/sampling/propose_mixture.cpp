@@ -17,7 +17,7 @@ namespace {
 constexpr int k_points = 64, k_steps = 200;
 constexpr int k_search_points = 12, k_search_steps = 30;
 // The relative gains of the second moment that justify an anisotropy axis, and a step of a lobe's shape.
-constexpr double k_least_gain = 0.01, k_least_change = 0.003;
+constexpr double k_min_gain = 0.01, k_min_change = 0.003;
 
 /// Views at cosθv = z.
 std::vector<Vec3f> views_at(double z, int azimuths) {
@@ -52,7 +52,7 @@ struct ShapeSteps {
 };
 // Limits of the steps. Towards the horizon, highlights are up to a hundred times as long in the plane of incidence as
 // they are wide, or far from the mirror direction.
-constexpr int k_least_stretch_step = -4, k_most_stretch_step = 20, k_most_power_step = 15;
+constexpr int k_min_stretch_step = -4, k_max_stretch_step = 20, k_max_power_step = 15;
 ProposalShape shape_of(const ShapeSteps& steps, const ProposalShape& start) {
     ProposalShape shape = start;
     if (!start.has_axis()) shape.lobes.stretch = float(elementary::pow(0.8, steps.i));
@@ -85,7 +85,7 @@ class NodeSearch {
 
   private:
     int stretch_step(int i) const {
-        return start_.has_axis() ? 0 : std::clamp(i, k_least_stretch_step, k_most_stretch_step);
+        return start_.has_axis() ? 0 : std::clamp(i, k_min_stretch_step, k_max_stretch_step);
     }
     /// The moment of a shape, summed over the views. The weights begin with the weights of the best shape.
     double moment(const ShapeSteps& steps) {
@@ -98,7 +98,7 @@ class NodeSearch {
         value = improve(points_, 4, weight);
         if (value > 1.1 * least_) return value;
         improve(points_, 8, weight);
-        value = moment_of(points_, cleared(weight));
+        value = moment_of(points_, drop_small_weights(weight));
         if (value < least_) least_ = value, weight_ = std::move(weight);
         return value;
     }
@@ -109,8 +109,8 @@ class NodeSearch {
             const ShapeSteps centre = best;
             for (int di = -1; di <= 1; ++di)
                 for (int dj = -1; dj <= 1; ++dj) {
-                    const ShapeSteps next{stretch_step(centre.i + di), std::clamp(centre.j + dj, 0, k_most_power_step)};
-                    if (moment(next) < (1 - k_least_change) * moment(best)) best = next, better = true;
+                    const ShapeSteps next{stretch_step(centre.i + di), std::clamp(centre.j + dj, 0, k_max_power_step)};
+                    if (moment(next) < (1 - k_min_change) * moment(best)) best = next, better = true;
                 }
         }
         return best;
@@ -159,7 +159,7 @@ void find_axis(const Evaluate& brdf, int threads, MixtureProposal& proposal) {
         moment[i] = moment_of(points, best_weights(points, candidates[i].components(), k_search_steps));
     });
     const auto best = std::size_t(std::min_element(moment.begin(), moment.end()) - moment.begin());
-    if (!(moment[best] < (1 - k_least_gain) * moment[0])) return;
+    if (!(moment[best] < (1 - k_min_gain) * moment[0])) return;
     proposal.shape.fill(candidates[best].lobes);
     proposal.cosine = candidates[best].cosine, proposal.sine = candidates[best].sine;
 }

@@ -8,7 +8,7 @@ namespace {
 
 using K = Kernel<float>;
 
-constexpr float k_least_weight = 1e-3f;  // smaller ones are removed
+constexpr float k_min_weight = 1e-3f;  // smaller ones are removed
 
 /// Adds to `points` directions sampled for a view. `density` is the number of samples per solid angle at each
 /// [1/sr].
@@ -86,11 +86,11 @@ double improve(const SamplingPoints& points, int steps, std::vector<float>& weig
     return moment;
 }
 
-std::vector<float> cleared(std::vector<float> weight) {
+std::vector<float> drop_small_weights(std::vector<float> weight) {
     float sum = 0;
     for (std::size_t k = 0; k < weight.size(); ++k) {
-        if (!(weight[k] > k_least_weight)) weight[k] = 0;
-        if (k == 0) weight[k] = std::max(weight[k], k_least_cosine);
+        if (!(weight[k] > k_min_weight)) weight[k] = 0;
+        if (k == 0) weight[k] = std::max(weight[k], k_min_cosine);
         sum += weight[k];
     }
     for (float& w : weight) w /= sum;
@@ -103,7 +103,7 @@ std::vector<float> best_weights(const SamplingPoints& points, std::size_t lobes,
     std::vector<float> weight(lobes);
     if (points.size()) weight = uniform_weights(lobes);
     improve(points, steps, weight);
-    return cleared(std::move(weight));
+    return drop_small_weights(std::move(weight));
 }
 
 double moment_of(const SamplingPoints& points, std::span<const float> weight) {

@@ -57,8 +57,8 @@ SamplingPoints make_points(const Evaluate& brdf, std::span<const Vec3f> views, i
 std::vector<float> uniform_weights(std::size_t lobes);
 /// Moves weights towards those of least variance over the points. Returns the moment before the last step.
 double improve(const SamplingPoints& points, int steps, std::vector<float>& weight);
-/// Removes small weights; lobe 0 (the cosine) keeps `k_least_cosine`.
-std::vector<float> cleared(std::vector<float> weight);
+/// Removes small weights; lobe 0 (the cosine) keeps `k_min_cosine`.
+std::vector<float> drop_small_weights(std::vector<float> weight);
 /// The weights of least variance over the points; without points the cosine is alone.
 std::vector<float> best_weights(const SamplingPoints& points, std::size_t lobes, int steps);
 /// The second moment of f cosθl / pdf for these weights, relative to the square of its mean.

@@ -112,18 +112,18 @@ def check_samples(name, bsdf, wi):
     wo = np.array([s.wo for s, _ in scattered])
     cells = np.floor((wo[:, 2] + 1) / 2 * CELLS[0]).clip(0, CELLS[0] - 1), np.floor(np.arctan2(wo[:, 1], wo[:, 0]) / (2 * np.pi) % 1 * CELLS[1])
     found = np.histogram2d(*cells, bins=CELLS, range=[[0, CELLS[0]], [0, CELLS[1]]])[0].ravel()
-    of_cells = integrals(bsdf, at)
-    expected = SAMPLES * of_cells[..., 0].ravel()
+    cell_integrals = integrals(bsdf, at)
+    expected = SAMPLES * cell_integrals[..., 0].ravel()
     # Cells with few samples are pooled, and so are samples that are not scattered.
     many = expected >= 10
     expected, found = (np.concatenate([counts[many], [counts[~many].sum(), SAMPLES - counts.sum()]]) for counts in (expected, found))
     statistic, freedom = ((found - expected)**2 / np.maximum(expected, 10)).sum(), len(found) - 1
     deviations = ((statistic / freedom)**(1 / 3) - 1 + 2 / (9 * freedom)) / math.sqrt(2 / (9 * freedom))  # of a normal distribution
-    weights, of_beams = (np.array([weight for _, weight in kind]) for kind in (scattered, beams))
-    mean, integral = weights.sum() / SAMPLES, of_cells[..., 1].sum()
+    weights, beam_weights = (np.array([weight for _, weight in kind]) for kind in (scattered, beams))
+    mean, integral = weights.sum() / SAMPLES, cell_integrals[..., 1].sum()
     expect(agree and deviations < 3.5 and abs(mean - integral) < 4 * math.sqrt((weights**2).sum()) / SAMPLES + 0.003 * integral,
            f"{name}, cosθ {wi[2]:+.1f}: χ² is {deviations:+.1f} deviations off, mean of weights {mean:.4f}, integral {integral:.4f}; {len(beams)} beams")
-    return mean + of_beams.sum() / SAMPLES
+    return mean + beam_weights.sum() / SAMPLES
 
 
 def seen_in_white(bsdf, wi):
@@ -146,10 +146,10 @@ with tempfile.TemporaryDirectory() as folder:
     run(program, "fit", film, "-o", model)
 
     inside, plugin, measured = lit_sphere.points()[0], {"type": "srbf_cpp", "filename": model}, {"type": "measured", "filename": str(film)}
-    of_file = {"type": "srbf_cpp", "filename": str(film), "exchange": True}
+    file_bsdf = {"type": "srbf_cpp", "filename": str(film), "exchange": True}
     apart = lit_sphere.picture_error(picture_of(plugin), lit_sphere.reference(program, model, folder))
     expect(apart < 0.2, f"Mitsuba {version('mitsuba')}: the picture differs from the model by a ΔE_ITP of {apart:.3f}")
-    apart = delta_e(picture_of(of_file)[inside], picture_of(measured)[inside])
+    apart = delta_e(picture_of(file_bsdf)[inside], picture_of(measured)[inside])
     expect(apart < 0.2, f"the picture of the file differs from that of `measured` by {apart:.3f}")
 
     pairs = lit_sphere.pairs()[::999]
@@ -159,7 +159,7 @@ with tempfile.TemporaryDirectory() as folder:
     np.testing.assert_allclose(values * lit_sphere.IRRADIANCE, lit_sphere.reflected(program, model, pairs, folder), rtol=2e-4, atol=1e-6)
     print("ok   values are those of `srbf eval`")
 
-    for name, material in (("default", plugin), ("the file", of_file), ("BSDF", {"type": "srbf_cpp", "filename": str(ROOT / "test/models/1/bsdf.srbf")})):
+    for name, material in (("default", plugin), ("the file", file_bsdf), ("BSDF", {"type": "srbf_cpp", "filename": str(ROOT / "test/models/1/bsdf.srbf")})):
         bsdf = mi.load_dict(material)
         for z in (0.9, 0.3) if name != "BSDF" else (0.7, -0.4):
             wi = directions(np.array(z), np.array(0.5))

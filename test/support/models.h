@@ -14,7 +14,7 @@ namespace srbf {
 struct RandomModelOptions {
     bool axial = true, log_scale = false;
     int lobes = 5, variates = 3;
-    double most_bandwidth = 300;
+    double max_bandwidth = 300;
     PmForm form = PmForm::gaussian;
 };
 
@@ -30,11 +30,11 @@ inline PmModel random_model(std::mt19937_64& random, const RandomModelOptions& o
         model.coefficient.push_back({float(draw()), float(draw()), float(draw())});
         model.log_scale.push_back(options.log_scale ? float(20 * draw() - 10) : 0);
         for (int k = 0; k < features(model.form); ++k)
-            model.exponent.push_back(float(k_terms[std::size_t(k)].least == 0 ? 3 * draw() : 6 * draw() - 3));
+            model.exponent.push_back(float(k_terms[std::size_t(k)].min == 0 ? 3 * draw() : 6 * draw() - 3));
         for (int n = 0; n < model.variates; ++n) {
             const bool up = draw() < 0.7;
             model.centre.push_back(options.axial ? Vec3f(0, 0, up ? 1 : -1) : to_float(random_direction(random)));
-            model.bandwidth.push_back(float(options.most_bandwidth * elementary::pow(draw(), 6)));
+            model.bandwidth.push_back(float(options.max_bandwidth * elementary::pow(draw(), 6)));
         }
     }
     for (int n = 0; n < model.variates; ++n) {
@@ -74,11 +74,11 @@ inline std::shared_ptr<const Model> random_part(std::uint64_t seed, const Random
 }
 
 /// A BSDF of four models of different kinds, with beams.
-inline BsdfModel lobe_bsdf_with_beams(double most_bandwidth = 30) {
+inline BsdfModel lobe_bsdf_with_beams(double max_bandwidth = 30) {
     BsdfModel bsdf;
     const PmForm form = PmForm::horizon;
     for (std::size_t p = 0; p < k_parts; ++p)
-        bsdf.part[p] = random_part(p + 1, {.lobes = 3, .most_bandwidth = most_bandwidth, .form = form});
+        bsdf.part[p] = random_part(p + 1, {.lobes = 3, .max_bandwidth = max_bandwidth, .form = form});
     bsdf.beam[0] = {{0.f, 1.f}, {{0.1f, 0.1f, 0.1f}, {0.2f, 0.2f, 0.2f}}};
     bsdf.beam[2] = {
         {0.5f, 0.9f}, {{0.3f, 0.2f, 0.1f}, {0.1f, 0.2f, 0.1f}, {0.2f, 0.1f, 0.3f}, {0.4f, 0.1f, 0}}, {1, 3}};

@@ -117,7 +117,7 @@ void add_blender_exports(const Subcommand& sub, const ExportCommand& command, Ex
     const auto terms = std::make_shared<int>(ClosureFitOptions{}.terms);
     const Option option = sub.add_option("--terms", *terms, "blender, osl: glossy closures in the sum")
                               .type_name("K")
-                              .check(within(1, k_most_closures))
+                              .check(within(1, k_max_closures))
                               .capture_default_str();
     exports.kinds.push_back({"blender", [terms](const ExportCommand& asked) { return write_script(asked, *terms); }});
     exports.kinds.push_back({"osl", [terms](const ExportCommand& asked) { return write_shader(asked, *terms); }});

@@ -9,7 +9,7 @@ class BlenderScript : public CommandLine {
   protected:
     void SetUp() override {
         std::mt19937_64 random(1);
-        const Model model{random_model(random, {.lobes = 1, .variates = 1, .most_bandwidth = 20}), {}};
+        const Model model{random_model(random, {.lobes = 1, .variates = 1, .max_bandwidth = 20}), {}};
         for (const char* name : {"a", "b"}) ASSERT_TRUE(save_model(model, folder / (std::string(name) + ".srbf")).ok());
         ASSERT_TRUE(save_model({OpenPbrModel{}, {}}, folder / "surface.srbf").ok());
         ASSERT_TRUE(save_model({lobe_bsdf_with_beams(), {}}, folder / "bsdf.srbf").ok());

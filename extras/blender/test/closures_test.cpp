@@ -150,16 +150,15 @@ TEST(Closures, ShowAMeasurementAndReflectNoMoreThanAllLight) {
 TEST(Closures, ShowMirrorLikeAndMatteSurfaces) {
     struct Surface {
         OpenPbrModel model;
-        double most_error;
+        double max_error;
     };
-    for (const auto& [model, most_error] :
-         {Surface{{.base_color = {0.2f, 0.1f, 0.05f}, .specular_roughness = 0.14f}, 1},
-          Surface{{.base_color = {0, 0, 0}, .specular_roughness = 0.14f}, 6},
-          Surface{{.base_color = {0.8f, 0.4f, 0.1f}, .specular_weight = 0}, 0.2}}) {
+    for (const auto& [model, max_error] : {Surface{{.base_color = {0.2f, 0.1f, 0.05f}, .specular_roughness = 0.14f}, 1},
+                                           Surface{{.base_color = {0, 0, 0}, .specular_roughness = 0.14f}, 6},
+                                           Surface{{.base_color = {0.8f, 0.4f, 0.1f}, .specular_weight = 0}, 0.2}}) {
         const Evaluate surface = evaluator(model);
         const auto fit = checked(fit_closures(surface, {.terms = 2, .knots = 12}));
         const Evaluate fitted = evaluator(*fit);
-        EXPECT_LT(delta_e(surface, fitted), most_error);
+        EXPECT_LT(delta_e(surface, fitted), max_error);
         for (const double theta : {5.0, 40.0, 65.0})
             EXPECT_WITHIN_RELATIVE(albedo(fitted, theta * k_degree, k_pi / 2).g,
                                    albedo(surface, theta * k_degree, k_pi / 2).g, 0.1)

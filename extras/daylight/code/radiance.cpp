@@ -115,13 +115,13 @@ Result<std::string> cal_text(const std::string& name, const Model& model) {
 
 /// The call of a part's channel with Radiance's vectors, whose z has the opposite sign in a BSDF.
 std::string cal_call(const std::string& name, const Parts<Model>& parts, Part part, int c) {
-    const Answering<Model> answer = answering(parts, part);
-    if (!answer.brdf) return "0";
+    const PartSource<Model> used = part_source(parts, part);
+    if (!used.brdf) return "0";
     const Part stored = parts[std::size_t(part)] ? part : counterpart(part);
     // wl = (−ix, iy, |iz|), wv = (−ox, oy, |oz|) in the frame of the part
     const std::string light = "0-ix,iy,if(iz,iz,0-iz)", viewer = "0-ox,oy,if(oz,oz,0-oz)";
     return fmt::format("{}_{}_{}({},{})", name, k_part_names[std::size_t(stored)], k_cal_channels[c],
-                       answer.exchanged ? viewer : light, answer.exchanged ? light : viewer);
+                       used.exchanged ? viewer : light, used.exchanged ? light : viewer);
 }
 
 Result<std::string> cal_text(const std::string& name, const BsdfModel& model) {
@@ -203,7 +203,7 @@ const CodeExtra& code_of_daylight() {
         {},
         {{.name = "radiance",
           .summary = "a .cal with functions NAME(ix,iy,iz,ox,oy,oz) of each model, as bsdf2ttree -f takes them",
-          .of_parts = false,
+          .by_part = false,
           .text = radiance_text}},
         [](const CodeOptions&) { return AddedCode{}; }};
     return extra;

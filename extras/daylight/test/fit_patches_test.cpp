@@ -1,5 +1,5 @@
 // Fits to averages over patches, and a real roller shade.
-#include "any/table_file.h"
+#include "api/table_file.h"
 #include "brdf/directions.h"
 #include "brdf/parts.h"
 #include "extras/daylight/test/bsdf_files.h"
@@ -64,7 +64,7 @@ TEST(FitPatches, PatchesThatNoLobesFollowGiveAFit) {
     const std::string text = small_shade();
     const auto measured = checked(read_measured(as_bytes(text), "f"));
     const auto& part = std::get<BsdfTable>(measured->table).band().part[std::size_t(Part::transmission_front)];
-    KlemsTable table = *own_table<KlemsTable>(*part);
+    KlemsTable table = *table_as<KlemsTable>(*part);
     for (std::size_t i = 0; i < table.cells.size(); ++i) table.cells[i] = i % 7 == 0 ? Rgb{5, 5, 5} : Rgb{};
     const auto one = fit_patches(table, {.model = PmRequest{.variates = 1, .size = LobeCount{1}}}),
                any = fit_patches(table, {.model = PmRequest{}});
@@ -156,8 +156,8 @@ TEST(FitPatches, KeepsTheSumsOfARollerShade) {
         for (const Hemispherical& sum : part.hemispherical)
             EXPECT_WITHIN(sum.fitted, sum.measured, std::max(0.02 * sum.measured, 0.002)) << name(part.part);
     }
-    EXPECT_LE(fit->fitted.most_fitted, 1);
-    EXPECT_WITHIN(fit->fitted.most_fitted, fit->fitted.most_measured, 0.005);
+    EXPECT_LE(fit->fitted.max_fitted, 1);
+    EXPECT_WITHIN(fit->fitted.max_fitted, fit->fitted.max_measured, 0.005);
 }
 
 TEST(FitPatches, ARollerShadePassesTheFurnaceTest) {

@@ -25,7 +25,7 @@ TEST(Klems, BasesCoverTheHemisphere) {
          {std::pair("LBNL/Klems Full", 145), {"LBNL/Klems Half", 77}, {"lbnl/klems quarter", 41}}) {
         const auto measured = checked(read(
             bsdf_xml("", matrix_xml("Reflection Front", name, std::size_t(count), [](auto, auto) { return 0.25; }))));
-        const auto& part = *own_table<KlemsTable>(*std::get<BsdfTable>(measured->table).band().part[0]);
+        const auto& part = *table_as<KlemsTable>(*std::get<BsdfTable>(measured->table).band().part[0]);
         const AngleBasis& basis = part.incident;
         ASSERT_EQ(basis.patches(), std::size_t(count));
         double sum = 0;
@@ -113,7 +113,7 @@ TEST(Klems, BeamsDependOnAzimuth) {
         // In a matrix that is written, each patch has its beam again, whether from a model or not.
         BsdfTable again = std::get<BsdfTable>(measured->table);
         for (const Part part : {Part::transmission_front, Part::transmission_back}) {
-            KlemsTable table = *own_table<KlemsTable>(*again.band().part[std::size_t(part)]);
+            KlemsTable table = *table_as<KlemsTable>(*again.band().part[std::size_t(part)]);
             const std::vector<Rgb> before = table.beam;
             add_beam(table, beams, part);
             for (std::size_t i = 0; i < n; ++i) EXPECT_WITHIN(table.beam[i].g, before[i].g, 1e-6);
@@ -126,7 +126,7 @@ TEST(Klems, KeepsWideLobes) {
     const char* name = "LBNL/Klems Full";
     const auto uniform =
         checked(read(bsdf_xml("", matrix_xml("Transmission Front", name, 145, [](auto, auto) { return 0.1; }))));
-    const AngleBasis basis = own_table<KlemsTable>(*std::get<BsdfTable>(uniform->table).band().part[2])->incident;
+    const AngleBasis basis = table_as<KlemsTable>(*std::get<BsdfTable>(uniform->table).band().part[2])->incident;
     const auto wide = [&](std::size_t o, std::size_t i) {
         const Vec3d a = basis.point_of(o, 0.5, 0.5), b = basis.point_of(i, 0.5, 0.5);
         return 0.02 + std::exp(50 * (dot(a, b) - 1));
@@ -280,7 +280,7 @@ TEST(Klems, SumsOfARollerShadeAgreeWithIndependentOnes) {
     // The file's directional-hemispherical sums at 0° and 82.5°, computed independently.
     const double expected[k_parts][2] = {{0.48246, 0.64137}, {0.56, 0.71018}, {0.09587, 0.05868}, {0.09432, 0.01227}};
     for (std::size_t p = 0; p < k_parts; ++p) {
-        const auto& table = *own_table<KlemsTable>(*band.part[p]);
+        const auto& table = *table_as<KlemsTable>(*band.part[p]);
         for (int k = 0; k < 2; ++k) {
             const std::size_t ring = k ? 8 : 0, i = table.incident.first_of(ring);
             double sum = table.beam.empty() ? 0 : double(table.beam[i].g);
@@ -295,7 +295,7 @@ TEST(Klems, SumsOfARollerShadeAgreeWithIndependentOnes) {
 
 TEST(Klems, KeepsTheHighlight) {
     expect_peaks_kept([](const Evaluate& brdf) {
-        const Measured part{"f", "BSDF XML", 0, evaluated(to_klems(brdf, klems_basis(KlemsBasis::quarter)))};
+        const Measured part{"f", "BSDF XML", 0, as_evaluated_table(to_klems(brdf, klems_basis(KlemsBasis::quarter)))};
         BsdfTable bsdf{{{}}, 0, {}};
         bsdf.bands[0].part[std::size_t(Part::transmission_front)] = std::make_shared<const Measured>(part);
         return std::vector<Measured>{part, {"f", "BSDF", 0, bsdf}};

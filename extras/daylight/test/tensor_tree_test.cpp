@@ -148,7 +148,7 @@ TEST(TensorTree, MeanOfAShadeAgreesWithRadiance) {
     const auto path = shared_data() / "tensor" / "t3.xml";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;
     const auto measured = checked(load_measured(path));
-    const auto& tree = own_table<TreeTable>(*std::get<BsdfTable>(measured->table).band().part[3])->y;
+    const auto& tree = table_as<TreeTable>(*std::get<BsdfTable>(measured->table).band().part[3])->y;
     double sum = 0;
     const int n = 64;
     for (int i = 0; i < n; ++i)
@@ -166,8 +166,8 @@ TEST(BsdfXml, WriteReadIdentity) {
     EXPECT_EQ(b.description, a.description);
     for (std::size_t band = 0; band < a.bands.size(); ++band)
         for (std::size_t p = 0; p < k_parts; ++p) {
-            const auto &part_a = *own_table<KlemsTable>(*a.bands[band].part[p]),
-                       &part_b = *own_table<KlemsTable>(*b.bands[band].part[p]);
+            const auto &part_a = *table_as<KlemsTable>(*a.bands[band].part[p]),
+                       &part_b = *table_as<KlemsTable>(*b.bands[band].part[p]);
             ASSERT_EQ(part_a.cells.size(), part_b.cells.size());
             for (std::size_t k = 0; k < part_a.cells.size(); ++k)
                 EXPECT_WITHIN_RELATIVE(part_b.cells[k].g, part_a.cells[k].g, 1e-5);
@@ -222,7 +222,7 @@ TEST(TensorTree, ItsBeamIsSeparated) {
     constexpr double share = 0.05, level = 0.01, leaf = k_pi / (64 * 64);
     const TreeTable tree =
         tree_about_mirror([](int i, int j) { return level + (i == 0 && j == 0 ? share / (2 * leaf) : 0); });
-    const auto separated = evaluated(tree).functions->separated_beam();
+    const auto separated = as_evaluated_table(tree).functions->separated_beam();
     ASSERT_TRUE(separated);
     for (const double degrees : {0.0, 10.0, 25.0, 40.0, 60.0}) {
         const Vec3f wl = to_float(spherical(degrees * k_degree, 0.3)), wv = mirror(wl);
@@ -232,10 +232,10 @@ TEST(TensorTree, ItsBeamIsSeparated) {
         EXPECT_WITHIN(remaining.g, level, 1e-6) << degrees;
     }
     // A lobe several leaves wide is not a beam, nor is a constant level.
-    EXPECT_FALSE(evaluated(tree_about_mirror([](int i, int j) {
+    EXPECT_FALSE(as_evaluated_table(tree_about_mirror([](int i, int j) {
                      return level + std::exp(-(i * i + j * j) / 50.);
                  })).functions->separated_beam());
-    EXPECT_FALSE(evaluated(tree_about_mirror([](int, int) { return level; })).functions->separated_beam());
+    EXPECT_FALSE(as_evaluated_table(tree_about_mirror([](int, int) { return level; })).functions->separated_beam());
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace {
 
 /// Number of samples of K for each texel; small levels, whose kernels are wide, have more. Eight times as many
 /// change ΔE_ITP of pictures of glossy paints by 0.1 of 8.
-constexpr int k_least_samples = 256, k_most_samples = 8192, k_level_samples = 1 << 24;
+constexpr int k_min_samples = 256, k_max_samples = 8192, k_level_samples = 1 << 24;
 /// A sample reads texels this many times as large as its solid angle, so that neighbours overlap.
 constexpr double k_overlap = 2;
 
@@ -153,7 +153,7 @@ Rgb CubeImage::at(const Vec3d& w) const {
 
 FilteredEnvironment::FilteredEnvironment(const Environment& environment, int size, int threads,
                                          const std::function<void(double)>& progress) {
-    assert(std::has_single_bit(unsigned(size)) && size >= k_least_size && size <= k_largest_size);
+    assert(std::has_single_bit(unsigned(size)) && size >= k_min_size && size <= k_largest_size);
     const Pyramid pyramid(environment, size, threads);
     levels_.push_back(pyramid.finest());
     // The finest filtered level has three quarters of the texels, and the fewest samples for each.
@@ -164,8 +164,8 @@ FilteredEnvironment::FilteredEnvironment(const Environment& environment, int siz
         const int side = size >> k;
         const double texel = 4 * k_pi / (6.0 * side * side);
         const std::vector<Sample> samples = sample_kernel(
-            float(roughness_of_level(k)),
-            std::clamp(k_level_samples / (6 * side * side), k_least_samples, k_most_samples), pyramid, texel);
+            float(roughness_of_level(k)), std::clamp(k_level_samples / (6 * side * side), k_min_samples, k_max_samples),
+            pyramid, texel);
         CubeImage& level = levels_.emplace_back(CubeImage{side, std::vector<Rgb>(std::size_t(6 * side * side))});
         const double fraction = k == 1 ? k_first_fraction : (1 - k_first_fraction) / (k_levels - 2);
         parallel_for(std::size_t(6 * side), threads, [&](std::size_t row) {

@@ -25,7 +25,7 @@ class FilteredEnvironment {
     static constexpr int k_levels = ExtendedLight::k_levels;
     /// With 256 texels, irradiance has 8 along a side: the error of pictures of white paper in a studio is ΔE_ITP
     /// 6.1 instead of 4.0.
-    static constexpr int k_usual_size = 512, k_least_size = 64, k_largest_size = 2048;
+    static constexpr int k_usual_size = 512, k_min_size = 64, k_largest_size = 2048;
     /// `size` must be a power of two in this range. `progress` is called as in PathOptions.
     explicit FilteredEnvironment(const Environment& environment, int size = k_usual_size, int threads = 0,
                                  const std::function<void(double)>& progress = {});

@@ -173,8 +173,8 @@ AddedCode added_of(const EnvironmentCode& code, const CodeOptions& options) {
     AddedCode added{light_entries(code, options.language), code.draws, light.has_lobes()};
     if (code.unrolled) added.rewrite = syntax::unroll;
     if (code.texels) added.albedo_node = k_texel_of_host;
-    added.text = [light](const Model& model, bool of_basis, Program& program, auto& defines) {
-        const auto* basis = of_basis ? &std::get<PmModel>(model.model) : nullptr;
+    added.text = [light](const Model& model, bool is_basis, Program& program, auto& defines) {
+        const auto* basis = is_basis ? &std::get<PmModel>(model.model) : nullptr;
         defines.insert({{"EXTENDED_NODES", std::to_string(ExtendedLight::k_views)},
                         {"EXTENDED_LOBES", std::to_string(light.code.lobes)},
                         {"EXTENDED_LEVELS", std::to_string(ExtendedLight::k_levels)}});

@@ -14,7 +14,7 @@ using EKind = Expression::Kind;
 using SKind = Statement::Kind;
 
 /// The statements of longer loops stay in the loop.
-constexpr int k_most_repeated = 32;
+constexpr int k_max_repeated = 32;
 
 std::optional<double> literal(const Expression& expression) {
     if (expression.kind == EKind::unary && expression.text == "-")
@@ -72,7 +72,7 @@ void unroll_loops(std::vector<Statement>& body) {
         unroll_loops(statement.otherwise);
         std::optional<double> first, end;
         if (statement.kind == SKind::loop) first = literal(statement.values[0]), end = literal(statement.values[1]);
-        if (!first || !end || *end - *first > k_most_repeated || !indexes(statement)) {
+        if (!first || !end || *end - *first > k_max_repeated || !indexes(statement)) {
             result.push_back(std::move(statement));
             continue;
         }

@@ -273,7 +273,7 @@ std::size_t loops_of(const std::string& text) {
 TEST_F(EnvironmentCode, UnrolledLoopsComputeTheSame) {
     std::mt19937_64 random(2);
     PmModel lobes =
-        random_model(random, {.log_scale = true, .lobes = 4, .most_bandwidth = 40, .form = PmForm::reciprocal});
+        random_model(random, {.log_scale = true, .lobes = 4, .max_bandwidth = 40, .form = PmForm::reciprocal});
     lobes.bandwidth[1] = 0, lobes.coefficient[2].g = 0;
     const Model model{rounded(lobes), {}};
     const NamedModel named{"film", &model};

@@ -86,7 +86,7 @@ Rgb reflected_of_white(const PreparedBrdf& brdf, double cosine) {
 TEST(ExtendedLight, WhiteAllRoundIsReflectedByTheAlbedo) {
     const Model metal{GgxModel{{}, {{0.1f, {0.9f, 0.6f, 0.3f}, 1}}}, {}},
         bright{GgxModel{{0.95f, 0.9f, 0.1f}, {{0.4f, {0.2f, 0.2f, 0.2f}, 1}}}, {}};
-    double most = 0;
+    double max = 0;
     for (const Model* model : {&plastic(), &metal, &bright}) {
         const PreparedBrdf brdf = prepare(*model);
         const ExtendedLight light = extended_light(brdf, {.lobes = 3});
@@ -101,11 +101,11 @@ TEST(ExtendedLight, WhiteAllRoundIsReflectedByTheAlbedo) {
                 EXPECT_NEAR(between[c], whole[c], within) << cosine;
                 EXPECT_NEAR(sum[c], std::min(whole[c], 1.f), within) << cosine;
                 EXPECT_LT(sum[c], 1.0001f) << cosine;
-                most = std::max(most, double(whole[c]));
+                max = std::max(max, double(whole[c]));
             }
         }
     }
-    EXPECT_GT(most, 1.05);
+    EXPECT_GT(max, 1.05);
 }
 
 // Under half a sphere that glows, and under a soft box of 17 degrees about the mirror direction.
@@ -193,9 +193,9 @@ TEST(ExtendedLight, AnisotropicIsTheMeanOverAzimuths) {
             if (i == 0) first = half / all;
         }
         const double looked = looked_up(light, wv, [&](const Vec3d&w) { return dot(w, away) > 0 ? 1.0 : 0; }),
-                     of_all = looked_up(light, wv, [](const Vec3d&) { return 1.0; });
+                     looked_up_whole = looked_up(light, wv, [](const Vec3d&) { return 1.0; });
         EXPECT_GT(std::abs(first - lit / whole), 0.05);
-        EXPECT_NEAR(looked / of_all, lit / whole, 0.015) << cosine;
+        EXPECT_NEAR(looked / looked_up_whole, lit / whole, 0.015) << cosine;
     }
 }
 

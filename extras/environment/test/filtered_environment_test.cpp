@@ -11,7 +11,7 @@
 namespace srbf::filtered_environment_test {
 namespace {
 
-constexpr int k_size = FilteredEnvironment::k_least_size;
+constexpr int k_size = FilteredEnvironment::k_min_size;
 
 /// A lamp of 9 degrees, 200 times as bright as the sky, above a dark red ground.
 Environment lamp_and_sky() {

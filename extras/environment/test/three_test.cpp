@@ -81,7 +81,7 @@ std::vector<Model> drawn_models() {
     const Measured film = *load_measured(bundled_data() / "cc_ibiza_sunset_rgb.bsdf");
     return {
         {rounded(fit_pm(*observe(signed_evaluator(film), {}), {.lobes = 4, .variates = 3, .starts = 2})->model), {}},
-        {rounded(random_model(random, {.axial = false, .lobes = 4, .most_bandwidth = 60})), {{"note", "`${a}\\"}}},
+        {rounded(random_model(random, {.axial = false, .lobes = 4, .max_bandwidth = 60})), {{"note", "`${a}\\"}}},
         {rounded(GgxModel{{0.1f, 0.2f, 0.4f}, {{0.1f, {0.1f, 0.05f, 0.02f}, 0.9f}, {0.5f, {0, 0.03f, 0.2f}, 0.4f}}}),
          {}},
         {rounded(GgxModel{{0.5f, 0.25f, 0.125f}, {{0.5f, {0, 0, 0}, 0}}}), {}}};
@@ -219,7 +219,7 @@ std::vector<Float4> floats(const std::string& bytes) {
 /// The largest difference of a picture's radiance from that of the map's models at these levels, the largest radiance,
 /// and the mean ΔE_ITP with an exposure that shows the largest as white.
 struct Differences {
-    double most, largest, delta_e;
+    double max, largest, delta_e;
 };
 Differences differences(const std::vector<Float4>& pixels, const MapScene& scene, const FilteredMap& map, double lod) {
     Differences found{};
@@ -249,7 +249,7 @@ Differences differences(const std::vector<Float4>& pixels, const MapScene& scene
                 const double drawn = double(pixels[std::size_t(y * scene.size + x)][std::size_t(channel)]);
                 colours.back()[0][channel] = float(expected), colours.back()[1][channel] = float(drawn);
                 found.largest = std::max(found.largest, expected);
-                found.most = std::max(found.most, std::abs(drawn - expected));
+                found.max = std::max(found.max, std::abs(drawn - expected));
             }
         }
     for (auto& [expected, drawn] : colours) {
@@ -263,11 +263,11 @@ Differences differences(const std::vector<Float4>& pixels, const MapScene& scene
 TexelMap dark_constant(std::mt19937_64& random, const RandomModelOptions& lobes) {
     TexelMap constant = random_map(random, lobes, 1, 1);
     const PreparedBrdf bright = prepare(texel(constant, 0), CosineProposal{});
-    float most = 0;
+    float max = 0;
     for (const float cosine : {0.01f, 0.1f, 0.2f, 0.4f, 0.6f, 0.8f, 1.f})
-        for (int c = 0; c < 3; ++c) most = std::max(most, albedo(bright, cosine)[c]);
+        for (int c = 0; c < 3; ++c) max = std::max(max, albedo(bright, cosine)[c]);
     for (Rgb& f : constant.coefficient)
-        for (int c = 0; c < 3; ++c) f[c] *= std::exp2(-std::ceil(std::log2(most)) - 1);  // still 16-bit floats
+        for (int c = 0; c < 3; ++c) f[c] *= std::exp2(-std::ceil(std::log2(max)) - 1);  // still 16-bit floats
     return constant;
 }
 
@@ -312,12 +312,12 @@ void expect_filtered(const std::vector<Float4>& pixels, const MapScene& scene, c
     // Between two levels renderers take the logarithm only approximately: Mesa 1.389 instead of 1.415.
     Differences found = differences(pixels, scene, filtered, scene.lod);
     for (double offset = -0.04; offset < 0.04 && scene.lod != std::floor(scene.lod); offset += 0.004)
-        if (const Differences at = differences(pixels, scene, filtered, scene.lod + offset); at.most < found.most)
+        if (const Differences at = differences(pixels, scene, filtered, scene.lod + offset); at.max < found.max)
             found = at;
     EXPECT_GT(found.largest, 0.01);
     EXPECT_LT(found.delta_e, 1);
     // Textures' filters keep 8 bits of their weights; bytes are rounded by half a step.
-    EXPECT_LT(found.most, found.largest * (scene.json["module"] == "bytes" ? 1 / 128. : 1 / 256.));
+    EXPECT_LT(found.max, found.largest * (scene.json["module"] == "bytes" ? 1 / 128. : 1 / 256.));
 }
 
 /// The modules and the textures of the maps.
@@ -340,10 +340,10 @@ TEST(Three, ShowsAMapAsItsTexels) {
     const fs::path three = shared_data().parent_path() / "peers" / "three";
     if (!fs::exists(three)) GTEST_SKIP() << "no three.js at " << three;
     std::mt19937_64 random(1);
-    const RandomModelOptions lobes{.axial = false, .lobes = 5, .variates = 3, .most_bandwidth = 60};
+    const RandomModelOptions lobes{.axial = false, .lobes = 5, .variates = 3, .max_bandwidth = 60};
     const TexelMap map = random_map(random, lobes, 8, 4), fine = random_map(random, lobes, 32, 32);
     // Environments show no more of a material alone than all the light; of maps, whose sum is linear, they do.
-    const TexelMap constant = dark_constant(random, {.lobes = 5, .variates = 3, .most_bandwidth = 200});
+    const TexelMap constant = dark_constant(random, {.lobes = 5, .variates = 3, .max_bandwidth = 200});
     const Model alone = texel(constant, 0);
     const NamedModel named{"alone", &alone};
 
@@ -371,11 +371,11 @@ TEST(Three, ShowsAMapAsItsTexels) {
         expect_filtered(drawn(i), scenes[i], FilteredMap(module_name == "map" ? map : fine));
     }
     for (std::size_t i = k_first_constant; i < scenes.size(); i += 2) {
-        const auto of_map = drawn(i), single = drawn(i + 1);
+        const auto mapped = drawn(i), single = drawn(i + 1);
         double sum = 0, difference = 0;
         for (std::size_t k = 0; k < single.size(); ++k)
             for (std::size_t c = 0; c < 3; ++c)
-                sum += double(single[k][c]), difference += std::abs(double(of_map[k][c]) - double(single[k][c]));
+                sum += double(single[k][c]), difference += std::abs(double(mapped[k][c]) - double(single[k][c]));
         EXPECT_GT(sum, 0);
         EXPECT_LT(difference, (i == k_first_constant ? 1e-4 : 0.02) * sum)
             << i;  // weights of environments are nearly the same

@@ -193,9 +193,9 @@ void add_map(CommandLine& app, int& status) {
     sub.add_option("-o,--output", fit->output, "The map to write. Its texels are FILE#X,Y")
         .type_name("FILE")
         .required();
-    sub.add_option("--lobes", fit->options.lobes, fmt::format("Number of shared lobes, 1 to {}", k_most_map_lobes))
+    sub.add_option("--lobes", fit->options.lobes, fmt::format("Number of shared lobes, 1 to {}", k_max_map_lobes))
         .type_name("J")
-        .check(within(1, k_most_map_lobes))
+        .check(within(1, k_max_map_lobes))
         .capture_default_str();
     const Option width = sub.add_option("--width", fit->width, "Texels in a row of the map; default: all")
                              .type_name("W")
@@ -207,7 +207,7 @@ void add_map(CommandLine& app, int& status) {
     sub.callback(
         [sub, fit, &status] {
             if (fit->pairs.empty() == fit->masks.empty()) sub.fail("map: expected either --pairs or --masks");
-            const FitRequest request = requested(sub, fit->texts);
+            const FitRequest request = parse_request_or_exit(sub, fit->texts);
             const auto& lobe = std::get<PmRequest>(request.model);
             MapOptions& options = fit->options;
             options.form = lobe.form.value_or(options.form), options.axial = lobe.axial.value_or(options.axial);

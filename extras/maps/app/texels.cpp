@@ -12,10 +12,10 @@ namespace SRBF_NAMESPACE {
 namespace {
 
 /// Number of candidates for the texels that span the set, and the most values of them in memory.
-constexpr std::size_t k_spread_texels = 1024, k_most_values = std::size_t(1) << 24;
-/// A candidate's values are left out where f cosθl cosθv is more than k_most_of_others times the largest one of any
+constexpr std::size_t k_spread_texels = 1024, k_max_values = std::size_t(1) << 24;
+/// A candidate's values are left out where f cosθl cosθv is more than k_max_of_others times the largest one of any
 /// pair in all but the brightest k_brightest of the candidates.
-constexpr double k_brightest = 0.02, k_most_of_others = 1000;
+constexpr double k_brightest = 0.02, k_max_of_others = 1000;
 
 /// Sets values of the candidates that no other texel is near to NaN.
 void leave_out_outliers(const SharedPairs& pairs, std::span<Rgb> f) {
@@ -27,14 +27,14 @@ void leave_out_outliers(const SharedPairs& pairs, std::span<Rgb> f) {
     std::vector<double> largest(f.size() / M);
     for (std::size_t i = 0; i < f.size(); ++i) largest[i / M] = std::max(largest[i / M], value(i));
     std::ranges::sort(largest);
-    const double most = k_most_of_others * largest[std::size_t((1 - k_brightest) * double(largest.size() - 1))];
-    for (std::size_t i = 0; i < f.size() && most > 0; ++i)
-        if (value(i) > most) f[i].r = std::numeric_limits<float>::quiet_NaN();
+    const double max = k_max_of_others * largest[std::size_t((1 - k_brightest) * double(largest.size() - 1))];
+    for (std::size_t i = 0; i < f.size() && max > 0; ++i)
+        if (value(i) > max) f[i].r = std::numeric_limits<float>::quiet_NaN();
 }
 
 /// The values of texels that span the set. Each next texel is the one whose cube roots differ most from all texels that
 /// were chosen before.
-std::vector<Rgb> spanning_texels(std::span<const Rgb> f, std::size_t pairs, std::size_t most) {
+std::vector<Rgb> spanning_texels(std::span<const Rgb> f, std::size_t pairs, std::size_t max) {
     const std::size_t count = f.size() / pairs;
     const auto distance = [&](std::size_t a, std::size_t b) {
         double sum = 0;
@@ -49,7 +49,7 @@ std::vector<Rgb> spanning_texels(std::span<const Rgb> f, std::size_t pairs, std:
     std::vector<double> nearest(count, std::numeric_limits<double>::infinity());
     std::vector<Rgb> chosen;
     std::size_t next = 0;
-    for (std::size_t n = 0; n < std::min(count, most); ++n) {
+    for (std::size_t n = 0; n < std::min(count, max); ++n) {
         chosen.insert(chosen.end(), f.begin() + std::ptrdiff_t(next * pairs),
                       f.begin() + std::ptrdiff_t((next + 1) * pairs));
         for (std::size_t t = 0; t < count; ++t) nearest[t] = std::min(nearest[t], distance(t, next));
@@ -63,7 +63,7 @@ std::vector<Rgb> spanning_texels(std::span<const Rgb> f, std::size_t pairs, std:
 Result<NpyFile> NpyFile::open(const std::string& path) {
     auto reader = FileReader::open(path);
     if (!reader) return reader.error();
-    std::vector<std::byte> beginning(k_most_npy_head);
+    std::vector<std::byte> beginning(k_max_npy_head);
     const auto count = reader->read(0, beginning);
     if (!count) return count.error();
     std::error_code code;
@@ -110,15 +110,14 @@ Result<Done> Texels::read(std::size_t first, std::span<Rgb> f) const {
     return Done{};
 }
 
-Result<std::vector<Rgb>> Texels::spanning(const SharedPairs& pairs, std::size_t most) const {
-    const std::size_t held = std::max(k_most_values / pairs_, most),
-                      spread = std::min({count(), k_spread_texels, held});
+Result<std::vector<Rgb>> Texels::spanning(const SharedPairs& pairs, std::size_t max) const {
+    const std::size_t held = std::max(k_max_values / pairs_, max), spread = std::min({count(), k_spread_texels, held});
     std::vector<Rgb> candidates(spread * pairs_);
     for (std::size_t n = 0; n < spread; ++n)
         if (const auto done = read(n * count() / spread, std::span(candidates).subspan(n * pairs_, pairs_)); !done)
             return done.error();
     leave_out_outliers(pairs, candidates);
-    return spanning_texels(candidates, pairs_, most);
+    return spanning_texels(candidates, pairs_, max);
 }
 
 }  // namespace srbf

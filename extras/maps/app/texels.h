@@ -30,10 +30,10 @@ class Texels {
     std::size_t count() const { return std::size_t(file_.shape()[0]); }
     /// Reads texels from `first` on, as many as fit into `f`. Numbers that stand for no value, as −999, become NaN.
     Result<Done> read(std::size_t first, std::span<Rgb> f) const;
-    /// The values [T, pairs] of at most `most` texels that span the map: among equally spaced texels it chooses, one
+    /// The values [T, pairs] of at most `max` texels that span the map: among equally spaced texels it chooses, one
     /// after the other, the one whose cube roots differ most from all that were chosen. Values that no other texel is
     /// near are NaN. Returns an error if a texel cannot be read.
-    Result<std::vector<Rgb>> spanning(const SharedPairs& pairs, std::size_t most) const;
+    Result<std::vector<Rgb>> spanning(const SharedPairs& pairs, std::size_t max) const;
     /// A line about numbers that stand for no value, from the first texel that has some; empty if none has.
     const std::string& note() const { return note_; }
 

@@ -119,11 +119,11 @@ TEST(FitMap, CoefficientsOfTexelsAreBoundedTowardsTheHorizon) {
     TexelMap map = some_map();
     map.basis.exponent = {0, -4, 0};  // (cosθl cosθv)⁻⁴
     map.basis.bandwidth[1] = 0;
-    const auto directions = [](double least_theta, double most_theta) {
+    const auto directions = [](double min_theta, double max_theta) {
         std::pair<std::vector<Vec3f>, std::vector<Vec3f>> pairs;
         for (int i = 0; i < 100; ++i) {
-            const double l = least_theta + (most_theta - least_theta) * double(i % 10) / 9,
-                         v = least_theta + (most_theta - least_theta) * double(i / 10) / 9;
+            const double l = min_theta + (max_theta - min_theta) * double(i % 10) / 9,
+                         v = min_theta + (max_theta - min_theta) * double(i / 10) / 9;
             pairs.first.push_back(to_float(spherical(l * k_degree, 0.1 * i)));
             pairs.second.push_back(to_float(spherical(v * k_degree, 0.0)));
         }

@@ -43,7 +43,7 @@ TEST(Zemax, LooksUpAboutTheMirrorDirection) {
     const auto measured = checked(read(k_zemax));
     EXPECT_EQ(measured->format, "Zemax");
     EXPECT_TRUE(is_isotropic(*measured));
-    EXPECT_EQ(own_table<ScatterTable>(*measured)->masked, 2u);
+    EXPECT_EQ(table_as<ScatterTable>(*measured)->masked, 2u);
     const auto f_at = [&](double theta_l, double theta_v, double phi) {
         return double(value(*measured, to_float(spherical(theta_l * k_degree, k_pi)),
                             to_float(spherical(theta_v * k_degree, phi * k_degree)))
@@ -74,7 +74,7 @@ TEST(Zemax, HasNoValuesBeyondItsAngles) {
         "Monochrome\nDataBegin\n";
     for (int k = 0; k < 2; ++k) text += "TIS 0.4\n0.5 0.5 0.5\n0.5 0.5 0.5\n0.5 0.5 0.5\n0.5 0.5 0.5\n";
     const auto measured = checked(read(text + "DataEnd\n"));
-    const auto& table = *own_table<ScatterTable>(*measured);
+    const auto& table = *table_as<ScatterTable>(*measured);
     // ∫ cosθ over a cone of half angle α about θ is π sin²α cosθ.
     EXPECT_WITHIN(scatter_integral(table, table.slices[0]), 0.5 * k_pi * 0.25, 0.003);
     EXPECT_WITHIN(scatter_integral(table, table.slices[1]), 0.5 * k_pi * 0.25 * std::sqrt(0.75), 0.003);
@@ -124,7 +124,7 @@ TEST(Zemax, ColoursAreTristimulusValues) {
     text.replace(text.find("Monochrome"), 10, "XYZ");
     text.replace(text.find("PlaneSymmetrical"), 16, "ASymmetrical");
     const auto measured = checked(read(text));
-    const auto& table = *own_table<ScatterTable>(*measured);
+    const auto& table = *table_as<ScatterTable>(*measured);
     EXPECT_EQ(table.masked, 2u);
     const Vec3f wl = to_float(spherical(60 * k_degree, k_pi));
     const Rgb f = value(*measured, wl, mirror(wl)), expected = to_rgb(Xyz{2, 2, 2});
@@ -133,8 +133,8 @@ TEST(Zemax, ColoursAreTristimulusValues) {
                            1e-9);
     const std::string written = write_zemax(table);
     const auto again = checked(read(written));
-    EXPECT_EQ(write_zemax(*own_table<ScatterTable>(*again)), written);
-    EXPECT_EQ(own_table<ScatterTable>(*again)->channels, 3u);
+    EXPECT_EQ(write_zemax(*table_as<ScatterTable>(*again)), written);
+    EXPECT_EQ(table_as<ScatterTable>(*again)->channels, 3u);
     EXPECT_CONTAINS(error_text(read(text.substr(0, text.find("TristimulusZ")))), "TristimulusZ, found the end");
 }
 
@@ -174,7 +174,7 @@ TEST(Scatter, RotationsAreOfTheFormats) {
     for (const double phi : {30.0, 75.0, 200.0, 290.0, 350.0})
         EXPECT_WITHIN(f_at(*zemax, phi), f_of_light_azimuth(phi * k_degree), 4e-3) << phi;
     // Rotations up to 90° are also mirrored, together with the viewer.
-    ScatterTable quarter = *own_table<ScatterTable>(*speos);
+    ScatterTable quarter = *table_as<ScatterTable>(*speos);
     quarter.rotation.resize(7), quarter.first.resize(8), quarter.slices.resize(quarter.first.back());
     for (ScatterTable::Slice& slice : quarter.slices)
         slice.azimuth = {0, float(k_pi / 2), float(k_pi), float(1.5 * k_pi), float(2 * k_pi)},
@@ -209,7 +209,7 @@ TEST(Scatter, WriteReadIdentity) {
             const ScatterTable* const one[] = {&table};
             const std::string text = about_mirror ? write_zemax(table) : write_speos(one);
             const auto again = checked(read(text));
-            const auto& reread = *own_table<ScatterTable>(*again);
+            const auto& reread = *table_as<ScatterTable>(*again);
             ASSERT_EQ(reread.slices.size(), table.slices.size());
             for (std::size_t s = 0; s < reread.slices.size(); ++s) {
                 ASSERT_EQ(reread.slices[s].f.size(), table.slices[s].f.size());
@@ -502,7 +502,7 @@ TEST(Scatter, FilesOfInstrumentsHaveTheirIntegrals) {
                speos = checked(load_measured(folder / "test_13_planesymmetric_brdf_speos_reference.anisotropicbsdf")),
                sensor = checked(load_measured(folder / "IMX455.bsdf"));
     EXPECT_FALSE(is_isotropic(*sensor));
-    const auto& table = *own_table<ScatterTable>(*zemax);
+    const auto& table = *table_as<ScatterTable>(*zemax);
     EXPECT_WITHIN(scatter_integral(table, table.slices[0]), 0.1309,
                   0.001);  // the file states 0.1345, over all directions
     // The Speos file was made from the other with a factor for each incidence, so the directions agree.
@@ -526,8 +526,8 @@ TEST(Scatter, FilesOfInstrumentsHaveTheirIntegrals) {
 
 TEST(Scatter, KeepsTheHighlight) {
     expect_peaks_kept([](const Evaluate& brdf) {
-        return std::vector<Measured>{{"f", "Zemax", 0, evaluated(to_scatter(brdf, true, true))},
-                                     {"f", "Speos", 0, evaluated(to_scatter(brdf, false, true))}};
+        return std::vector<Measured>{{"f", "Zemax", 0, as_evaluated_table(to_scatter(brdf, true, true))},
+                                     {"f", "Speos", 0, as_evaluated_table(to_scatter(brdf, false, true))}};
     });
 }
 

@@ -24,8 +24,8 @@
 namespace SRBF_NAMESPACE {
 
 Result<Image> load_mask(const std::string& path) {
-    constexpr std::uint64_t k_most_bytes = std::uint64_t(1) << 29;
-    const auto bytes = read_file(path, [](auto) { return k_most_bytes; });
+    constexpr std::uint64_t k_max_bytes = std::uint64_t(1) << 29;
+    const auto bytes = read_file(path, [](auto) { return k_max_bytes; });
     if (!bytes) return bytes.error();
     if (is_exr(*bytes)) {
         auto image = read_exr(*bytes, path);

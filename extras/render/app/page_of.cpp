@@ -24,10 +24,10 @@ std::string kind_of(const Subject& subject) {
 
 /// The θmax [degrees] that all models have in common: their minimum.
 double common_theta(const std::vector<Subject>& models) {
-    double least = 90;
+    double min = 90;
     for (const Subject& model : models)
-        if (const double fitted = fitted_theta(model); fitted > 0) least = std::min(least, fitted);
-    return least < 90 ? least : 80;
+        if (const double fitted = fitted_theta(model); fitted > 0) min = std::min(min, fitted);
+    return min < 90 ? min : 80;
 }
 
 /// The material of the measurement, with its picture unless it is anisotropic. The page's note describes the loss
@@ -42,7 +42,7 @@ PageMaterial measured_material(Page& page, const Subject& reference, const Measu
         return entry;
     }
     const Evaluate measured = evaluator(reference);
-    const MerlTable table = table_of(measured, k_page_table);
+    const MerlTable table = tabulate_merl(measured, k_page_table);
     const Evaluate pictured[] = {evaluator(table)}, symmetrised = [&](auto wl, auto wv, auto f) {
         std::vector<Rgb> swapped(f.size());
         measured(wl, wv, f), measured(wv, wl, swapped);
@@ -86,7 +86,7 @@ void add_errors(Page& page, const Subject& reference, const std::vector<Subject>
         "over eight lightings, and the worst of them; of the measurement, where light and viewer are exchanged",
         [&](std::size_t k) {
             return fmt::format("{:.2g} (worst {:.2g}): {}", errors[k].appearance.mean.delta_e,
-                               errors[k].appearance.worst_delta_e, words(verdict(errors[k].appearance.mean)));
+                               errors[k].appearance.worst_delta_e, name(verdict(errors[k].appearance.mean)));
         });
     if (const auto exchanged = reciprocity_errors(reference.content))
         page.table.back().cells[0] =

@@ -13,12 +13,12 @@ constexpr Rgb k_walls{0.7f, 0.7f, 0.68f}, k_floor{0.3f, 0.24f, 0.18f}, k_ball{0.
 /// A square light above the scene, to the left and in front of it, as large as the scene.
 AreaLight softbox(const Scene& scene) {
     const Bounds box = bounds(scene.mesh);
-    const Vec3d least = to_double(box.least), most = to_double(box.most), across = most - least;
+    const Vec3d min = to_double(box.min), max = to_double(box.max), across = max - min;
     const double size = std::max({across.x, across.y, across.z});
     const Frame axes = frame(scene.camera);
     const Vec3d z = normalize(axes.from({0.5, -0.7, -0.5}));  // direction of emission
     const Vec3d x = normalize(cross(axes.y, z)), y = cross(z, x);
-    const Vec3d corner = 0.5 * (least + most) - (1.6 * size) * z - (0.4 * size) * (x + y);
+    const Vec3d corner = 0.5 * (min + max) - (1.6 * size) * z - (0.4 * size) * (x + y);
     return {to_float(corner), to_float(0.8 * size * x), to_float(0.8 * size * y), {12, 12, 12}};
 }
 
@@ -120,10 +120,10 @@ std::vector<AllowedWhen> PathCommand::add_options(const Subcommand& sub, const s
         sub.add_option("--spp", samples, fmt::format("path: paths per pixel, 1 to 1048576 ({})", k_samples))
             .type_name("S")
             .check(within(1, 1 << 20));
-    const Option most_bounces = sub.add_option("--bounces", bounces, "path: maximum number of bounces, 1 to 1000")
-                                    .type_name("N")
-                                    .check(within(1, 1000))
-                                    .capture_default_str();
+    const Option max_bounces = sub.add_option("--bounces", bounces, "path: maximum number of bounces, 1 to 1000")
+                                   .type_name("N")
+                                   .check(within(1, 1000))
+                                   .capture_default_str();
     const Option draw_option =
         sub.add_option("--draw", draw, "path: sample directions by the brdf or, for comparison, by the cosine")
             .type_name("BY")
@@ -146,19 +146,19 @@ std::vector<AllowedWhen> PathCommand::add_options(const Subcommand& sub, const s
         sub.add_option("--threads", threads,
                        "path: number of threads; 0: all of the machine. The picture does not depend on it")
             .type_name("T")
-            .check(within(0, k_most_threads))
+            .check(within(0, k_max_threads))
             .capture_default_str();
     std::vector<Option> object_options = about_mesh;
     object_options.push_back(without_ground);
     return {
-        {{environment_option, paths, most_bounces, draw_option, scene, without_ground, without_occlusion, seed_option,
+        {{environment_option, paths, max_bounces, draw_option, scene, without_ground, without_occlusion, seed_option,
           threads_option},
          "only with --renderer path",
          is_path},
         {{further_lights},
          "softbox and none only with --renderer path",
          [=, this] { return is_path() || lights == "three" || lights == "behind"; }},
-        {{most_bounces}, "not with --no-occlusion, in one bounce", [this] { return !no_occlusion; }},
+        {{max_bounces}, "not with --no-occlusion, in one bounce", [this] { return !no_occlusion; }},
         {object_options, "only with --scene object", [this] { return scene_name == "object"; }},
     };
 }

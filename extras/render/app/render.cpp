@@ -226,19 +226,19 @@ int RenderCommand::run() const {
 }
 
 /// The largest width and height in "WxH".
-constexpr int k_most_pixels = 8192;
+constexpr int k_max_pixels = 8192;
 Check size_in_pixels(int& width, int& height) {
     return [&](std::string& text) -> std::string {
         const auto number = [](std::string_view word) {
             int n = 0;
             const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), n);
-            return error == std::errc() && end == word.data() + word.size() && n <= k_most_pixels ? n : 0;
+            return error == std::errc() && end == word.data() + word.size() && n <= k_max_pixels ? n : 0;
         };
         const std::string_view size = text;
         const auto separator = std::min(size.find('x'), size.size());
         width = number(size.substr(0, separator)), height = number(size.substr(std::min(separator + 1, size.size())));
         if (width >= 1 && height >= 1) return {};
-        return fmt::format("expected WxH, each from 1 to {}, found {}", k_most_pixels, text);
+        return fmt::format("expected WxH, each from 1 to {}, found {}", k_max_pixels, text);
     };
 }
 

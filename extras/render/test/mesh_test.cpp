@@ -36,12 +36,12 @@ double volume(const Mesh& mesh) {
 /// The largest angle between a vertex' normal and that of its triangles.
 double normals_off(const Mesh& mesh) {
     const auto triangle_normals = area_weighted_normals(mesh.positions, mesh.triangles);
-    double most = 0;
+    double max = 0;
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
         const Vec3d difference = to_double(triangle_normals[i]) - to_double(mesh.normals[i]);
-        most = std::max(most, std::sqrt(dot(difference, difference)));
+        max = std::max(max, std::sqrt(dot(difference, difference)));
     }
-    return most;
+    return max;
 }
 
 TEST(Mesh, SphereIsClosedAndHasItsVolume) {

@@ -44,7 +44,7 @@ Page all_kinds() {
     std::mt19937_64 random(1);
     static const PmModel lobes =
         rounded(fit_pm(*observe(signed_evaluator(film), {}), {.lobes = 4, .variates = 3, .starts = 2})->model);
-    const PmModel general = random_model(random, {.axial = false, .lobes = 4, .most_bandwidth = 60});
+    const PmModel general = random_model(random, {.axial = false, .lobes = 4, .max_bandwidth = 60});
     SuModel sampled_views = isotropic_su(256), plain = sampled_views, parabolic = sampled_views;
     plain.interpolation = parabolic.interpolation = SuInterpolation::plain;
     parabolic.index = index_texture(parabolic, DirectionMap::parabolic, 64);

@@ -305,7 +305,7 @@ TEST_F(Path, AMaskMixesMaterials) {
 TEST_F(Path, TexelsAreDrawnFromTheirLobes) {
     std::mt19937_64 random(5);
     for (const bool axial : {true, false}) {
-        const TexelMap map = random_map(random, {.axial = axial, .lobes = 4, .most_bandwidth = 200}, 4, 2);
+        const TexelMap map = random_map(random, {.axial = axial, .lobes = 4, .max_bandwidth = 200}, 4, 2);
         const PreparedMap prepared = prepare_map(map);
         const std::size_t t = 5;
         const PreparedBrdf single = prepare(texel(map, t)),
@@ -393,19 +393,19 @@ TEST_F(Path, TheRimIsBounded) {
     PathScene scene = sphere_scene(prepare(Grazing{}, CosineProposal{}), &uniform_light());
     PathOptions options = small(4, 128);
     options.occlusion = false;
-    float most = 0, least = 1;
+    float max = 0, min = 1;
     for (const Rgb& pixel : render_paths(scene, options).rendering.radiance.pixels)
-        most = std::max(most, pixel.g), least = std::min(least, pixel.g);
-    EXPECT_LE(most, 1.01f);    // that of the environment
-    EXPECT_LE(least, 0.011f);  // that of the middle of the sphere
+        max = std::max(max, pixel.g), min = std::min(min, pixel.g);
+    EXPECT_LE(max, 1.01f);   // that of the environment
+    EXPECT_LE(min, 0.011f);  // that of the middle of the sphere
 }
 
 TEST(Rays, LeaveAllThreadsToTheProcess) {
     using Control = tbb::global_control;
-    const auto most = [] { return Control::active_value(Control::max_allowed_parallelism); };
-    const std::size_t before = most();
+    const auto max = [] { return Control::active_value(Control::max_allowed_parallelism); };
+    const std::size_t before = max();
     const Rays rays({&ball_mesh()});
-    EXPECT_EQ(most(), before);
+    EXPECT_EQ(max(), before);
 }
 
 TEST(Rays, FindTheNearestTriangle) {

@@ -172,7 +172,7 @@ TEST_P(Raster, MultivariateModelsLookAsOnTheCpu) {
                                                             .log_scale = lobes == 3,
                                                             .lobes = lobes,
                                                             .variates = variates,
-                                                            .most_bandwidth = 30,
+                                                            .max_bandwidth = 30,
                                                             .form = form});
                 if (is_es && lobes == 3) continue;
                 const auto& [scene, input] = lobes == 3 ? std::pair{&sphere_scene(), PixelInput::triangles}
@@ -278,7 +278,7 @@ TEST_P(Raster, TheInsideOfAnOpenSurfaceIsSeenWithItsNormalTurned) {
 
 TEST_P(Raster, TooLargePicturesAreRefused) {
     std::mt19937_64 random(4);
-    const auto model = random_model(random, {.axial = false, .lobes = k_most_lobes, .variates = k_most_variates});
+    const auto model = random_model(random, {.axial = false, .lobes = k_max_lobes, .variates = k_max_variates});
     const auto material = RasterMaterial::make(model, {.dialect = GetParam()});
     ASSERT_FALSE(material);
     EXPECT_CONTAINS(message(material.error()), "uniform buffer: expected at most");
@@ -402,10 +402,10 @@ TEST(Rasterize, GivesRadianceAndCoverage) {
     EXPECT_WITHIN_RELATIVE(covered, k_pi * std::pow((1 - k_margin) * k_height / 2, 2), 0.02);
     EXPECT_EQ((*drawn)[0].coverage, (*drawn)[1].coverage);
     // The radiance is f E where the key light falls along the normal.
-    float most = 0;
-    for (const Rgb& pixel : (*drawn)[0].radiance.pixels) most = std::max(most, pixel.r);
-    EXPECT_GT(most, 2.95f * Flat::k_value);
-    EXPECT_LT(most, 3.6f * Flat::k_value);
+    float max = 0;
+    for (const Rgb& pixel : (*drawn)[0].radiance.pixels) max = std::max(max, pixel.r);
+    EXPECT_GT(max, 2.95f * Flat::k_value);
+    EXPECT_LT(max, 3.6f * Flat::k_value);
 }
 
 IN_EACH_DIALECT(Raster);

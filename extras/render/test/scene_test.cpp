@@ -27,14 +27,14 @@ TEST(Camera, SeesTheWholeMeshAndLittleElse) {
             expect_orthonormal(axes);
             EXPECT_GT(z_up ? axes.y.z : axes.y.y, 0);
             EXPECT_WITHIN(z_up ? axes.z.z : axes.z.y, std::sin(viewpoint.elevation), 1e-9);
-            double most = 0;
+            double max = 0;
             for (const Vec3f& p : mesh.positions) {
                 const Vec3d seen = axes.to(to_double(p) - camera.eye);
                 ASSERT_LT(seen.z, 0);
                 const double half = -seen.z * std::tan(camera.fov / 2);
-                most = std::max({most, std::abs(seen.x) / half / aspect, std::abs(seen.y) / half});
+                max = std::max({max, std::abs(seen.x) / half / aspect, std::abs(seen.y) / half});
             }
-            EXPECT_WITHIN(most, 1 - k_margin, 1e-9);
+            EXPECT_WITHIN(max, 1 - k_margin, 1e-9);
         }
 }
 

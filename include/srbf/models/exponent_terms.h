@@ -15,8 +15,8 @@ struct ExponentTerm {
     std::string_view symbol;      ///< symbol of κ_jk in output
     std::string_view factor;      ///< e^{κ_jk x_k} in output
     std::string_view definition;  ///< definition of a symbol of the factor in output; may be empty
-    double least, most;           ///< bounds of κ_jk in a fit; if `least` is 0, κ_jk ≥ 0 in files too
-    double least_if_reciprocal;   ///< least κ_jk of a reciprocal form: steeper lobes have ridges beyond θmax
+    double min, max;              ///< bounds of κ_jk in a fit; if `min` is 0, κ_jk ≥ 0 in files too
+    double min_if_reciprocal;     ///< least κ_jk of a reciprocal form: steeper lobes have ridges beyond θmax
     bool is_slope;                ///< a fit to samples ε [rad] apart also bounds |κ_jk| by 1/ε
     bool is_sharp;                ///< a fit draws initial κ_jk from the wide range of bandwidths
 };
@@ -34,6 +34,8 @@ enum class PmForm {
     extended,    ///< all terms, always with a log scale: axial J(3+N+5)+2N
     reciprocal,  ///< the mean of an extended sum and of the same with light and viewer exchanged: the same size
 };
+/// The name of `PmForm::gaussian` in model files and reports, where it is kept for the sake of old ones.
+inline constexpr std::string_view k_gaussian_in_files = "source";
 /// A form has the first `terms` terms of `k_terms`.
 struct FormRow {
     PmForm form;
@@ -45,7 +47,7 @@ struct FormRow {
     std::string_view summary;  ///< what it adds to the previous form, in ASCII
 };
 inline constexpr std::array<FormRow, 4> k_form_rows{{
-    {PmForm::gaussian, "gaussian", "source", 0, false, 8, 4, "as Tsai 2009 defines them"},
+    {PmForm::gaussian, "gaussian", k_gaussian_in_files, 0, false, 8, 4, "as Tsai 2009 defines them"},
     {PmForm::horizon, "horizon", "horizon", 1, false, 8, 4, "also a power of cos(theta_l) cos(theta_v)"},
     {PmForm::extended, "extended", "extended", 4, false, 8, 4, "also powers of cosines and three further factors"},
     {PmForm::reciprocal, "reciprocal", "reciprocal", 4, true, 9, 3, "also the mean with light and viewer exchanged"},

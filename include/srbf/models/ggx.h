@@ -14,23 +14,23 @@ SRBF_BEGIN
 /// file encoding.
 struct GgxModel {
     struct Lobe {
-        float roughness = 1;  ///< α, k_least_roughness..1
+        float roughness = 1;  ///< α, k_min_roughness..1
         Rgb f0;               ///< F0 ≥ 0
         float f90 = 0;        ///< F90 ≥ 0, the same for all channels
         friend bool operator==(const Lobe&, const Lobe&) = default;
     };
     Rgb diffuse;              ///< kd ≥ 0
-    std::vector<Lobe> lobes;  ///< 1..k_most_ggx_lobes
+    std::vector<Lobe> lobes;  ///< 1..k_max_ggx_lobes
     friend bool operator==(const GgxModel&, const GgxModel&) = default;
 };
-inline constexpr int k_most_ggx_lobes = 2;
-inline constexpr float k_least_roughness = 1.f / 1024;
+inline constexpr int k_max_ggx_lobes = 2;
+inline constexpr float k_min_roughness = 1.f / 1024;
 
 /// A request for the fit of Lambert and GGX.
 struct GgxRequest {
     using Model = GgxModel;
     static constexpr std::string_view k_name = "ggx", k_about = "Lambert and GGX, the baseline";
-    int lobes = 1;  ///< 1..k_most_ggx_lobes
+    int lobes = 1;  ///< 1..k_max_ggx_lobes
 };
 
 /// ρ(wl, wv) in single precision; 0 below the horizon.

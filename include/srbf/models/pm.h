@@ -24,8 +24,8 @@ struct Parameterization {
 struct PmModel {
     PmForm form = PmForm::gaussian;
     bool axial = true;                               ///< every centre is +z or −z, for isotropic data
-    int lobes = 0;                                   ///< J, 1..k_most_lobes
-    int variates = 0;                                ///< N, 1..k_most_variates
+    int lobes = 0;                                   ///< J, 1..k_max_lobes
+    int variates = 0;                                ///< N, 1..k_max_variates
     std::vector<Rgb> coefficient;                    ///< J: β_j ≥ 0; in a spectral model the colours of its spectra
     std::vector<float> wavelength;                   ///< C [nm], increasing, of a spectral model; otherwise empty
     std::vector<float> spectrum;                     ///< J × C: β_j ≥ 0 at the wavelengths
@@ -36,12 +36,12 @@ struct PmModel {
     std::vector<float> exponent;                     ///< J × F: κ_jk
     friend bool operator==(const PmModel&, const PmModel&) = default;
 };
-inline constexpr int k_most_lobes = 1024;
-inline constexpr int k_most_variates = 8;
-inline constexpr int k_most_fitted_lobes = 64;
+inline constexpr int k_max_lobes = 1024;
+inline constexpr int k_max_variates = 8;
+inline constexpr int k_max_fitted_lobes = 64;
 /// Bounds of the length of a search as a multiple of the default.
-inline constexpr double k_least_effort = 0.01, k_most_effort = 50;
-inline constexpr std::size_t k_most_wavelengths = 4096;
+inline constexpr double k_min_effort = 0.01, k_max_effort = 50;
+inline constexpr std::size_t k_max_wavelengths = 4096;
 
 /// ρ(wl, wv) in single precision; 0 below the horizon.
 Rgb value(const PmModel& model, Vec3f wl, Vec3f wv);

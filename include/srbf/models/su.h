@@ -43,8 +43,8 @@ struct IndexTexture {
 struct SuModel {
     Discretise discretise = Discretise::view;
     SuInterpolation interpolation = SuInterpolation::rotated;
-    int neighbours = 3;                 ///< K of plain interpolation, 1..k_most_neighbours
-    int lobes = 0;                      ///< J, 1..k_most_view_lobes
+    int neighbours = 3;                 ///< K of plain interpolation, 1..k_max_neighbours
+    int lobes = 0;                      ///< J, 1..k_max_view_lobes
     std::vector<Vec3f> direction;       ///< n: the sampled views, the Fibonacci set of the hemisphere
     std::vector<Rgb> coefficient;       ///< n × J: β_ij ≥ 0; all 0 for a view without data
     std::vector<Vec3f> centre;          ///< n × J: ξ_ij, unit vectors
@@ -52,10 +52,10 @@ struct SuModel {
     std::optional<IndexTexture> index;  ///< only if the file contains it
     friend bool operator==(const SuModel&, const SuModel&) = default;
 };
-inline constexpr int k_most_view_lobes = 64;
+inline constexpr int k_max_view_lobes = 64;
 /// the largest K: of the eight views in the index, the weights need the distance of the last one
-inline constexpr int k_most_neighbours = 7;
-inline constexpr int k_least_views = 8, k_most_views = 8192;
+inline constexpr int k_max_neighbours = 7;
+inline constexpr int k_min_views = 8, k_max_views = 8192;
 
 /// ρ(wl, wv) in single precision; 0 below the horizon. Continuous in both directions, except for plain interpolation
 /// where the K+1 nearest views are equally near.

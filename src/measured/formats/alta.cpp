@@ -1,5 +1,5 @@
 #include "base/floating_point.h"
-#include "measured/formats/rows.h"
+#include "measured/formats/format_rows.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
 #include "srbf/elementary.h"
@@ -117,7 +117,7 @@ std::optional<Error> read_header_line(std::string_view line, Header& header, con
     if (key == "#DIM") {
         header.inputs = to_number<std::size_t>(next_word(line));
         header.outputs = to_number<std::size_t>(next_word(line));
-        if (!header.inputs || !header.outputs || *header.inputs > 6 || *header.outputs > k_most_columns)
+        if (!header.inputs || !header.outputs || *header.inputs > 6 || *header.outputs > k_max_columns)
             return wrong("the numbers of inputs and outputs");
     } else if (key == "#PARAM_IN") {
         const auto known = std::ranges::find(k_parameterizations, rest, &AltaParameterization::name);

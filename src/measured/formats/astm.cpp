@@ -1,5 +1,5 @@
 #include "base/floating_point.h"
-#include "measured/formats/rows.h"
+#include "measured/formats/format_rows.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
 
@@ -36,8 +36,8 @@ Result<Vars> parse_vars(std::string_view vars, const std::string& file_name, std
     std::vector<std::string_view> names, values;
     split_fields(vars, names);
     columns.count = names.size();
-    if (columns.count > k_most_columns)
-        return at_line(file_name, line, "VARS", fmt::format("at most {} columns", k_most_columns),
+    if (columns.count > k_max_columns)
+        return at_line(file_name, line, "VARS", fmt::format("at most {} columns", k_max_columns),
                        fmt::format("{}", columns.count));
     for (std::size_t i = 0; i < names.size(); ++i) {
         const auto angle = std::ranges::find(k_names_of_angles, names[i]);

@@ -407,8 +407,8 @@ bool are_names_of_columns(std::span<const std::string_view> fields) {
 Result<Columns> assign_columns(std::span<const std::string_view> names, std::span<const std::string_view> constants,
                                std::span<const std::string_view> header, const std::string& file_name,
                                std::uint64_t line) {
-    if (names.size() > k_most_columns)
-        return at_line(file_name, line, "header", fmt::format("at most {} columns", k_most_columns),
+    if (names.size() > k_max_columns)
+        return at_line(file_name, line, "header", fmt::format("at most {} columns", k_max_columns),
                        fmt::format("{}", names.size()));
     ColumnAssignment assignment{names, {}, std::vector<bool>(names.size()), {}, false, {}};
     assignment.columns.count = names.size();

@@ -10,7 +10,7 @@
 #include "brdf/values.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
-#include "measured/formats/rows.h"
+#include "measured/formats/format_rows.h"
 #include "measured/formats/tensor_file.h"
 #include "measured/formats/warp.h"
 #include "measured/samples.h"
@@ -33,10 +33,10 @@ std::vector<Rgb> values_at(const Evaluate& brdf, std::span<const Vec3f> wl, std:
 double u_of(std::size_t i, std::size_t n) { return double(i) / double(n - 1); }
 double theta_of(double u) { return u * u * k_pi / 2; }
 
-constexpr std::size_t k_profile = 256;              // nodes of D and σ
-constexpr std::uint32_t k_normals = 128;            // nodes of the visible normals, as in the database
-constexpr int k_azimuths = 64;                      // number of azimuths φ_d
-constexpr double k_least_determining_cosine = 0.1;  // directions with smaller cosines do not determine D
+constexpr std::size_t k_profile = 256;            // nodes of D and σ
+constexpr std::uint32_t k_normals = 128;          // nodes of the visible normals, as in the database
+constexpr int k_azimuths = 64;                    // number of azimuths φ_d
+constexpr double k_min_determining_cosine = 0.1;  // directions with smaller cosines do not determine D
 // The uniform share of D. Without it a narrow highlight leaves only a few nodes to the directions around it, which are
 // dark, but fill most of a picture.
 constexpr double k_uniform = 0.1;
@@ -45,26 +45,26 @@ constexpr double k_uniform = 0.1;
 /// determines the positions of the warp's nodes. With means instead, highlights that are visible only near the horizon
 /// would fall between nodes.
 std::vector<float> half_vector_profile(const Evaluate& brdf, int threads) {
-    std::vector<double> most(k_profile);
+    std::vector<double> max(k_profile);
     parallel_for(k_profile, threads, [&](std::size_t i) {
         std::vector<Vec3f> wl, wv;
         for (int d = 0; d <= 85; d += 5)
             for (int p = 0; p < k_azimuths; ++p) {
                 const auto pair = merl_pair(theta_of(u_of(i, k_profile)), d * k_degree, (p + 0.5) / k_azimuths * k_pi);
-                if (std::min(pair.wl.z, pair.wv.z) < k_least_determining_cosine) continue;
+                if (std::min(pair.wl.z, pair.wv.z) < k_min_determining_cosine) continue;
                 wl.push_back(to_float(pair.wl)), wv.push_back(to_float(pair.wv));
             }
         const auto f = values_at(brdf, wl, wv);
-        most[i] = f.empty() ? -1 : 0;
+        max[i] = f.empty() ? -1 : 0;
         for (std::size_t k = 0; k < f.size(); ++k)
             if (is_finite(f[k]))
-                most[i] = std::max(most[i], luminance(f[k]) * elementary::pow(double(wl[k].z) * double(wv[k].z), 0.75));
+                max[i] = std::max(max[i], luminance(f[k]) * elementary::pow(double(wl[k].z) * double(wv[k].z), 0.75));
     });
     // Near the horizon there are no pairs, and the last value is repeated.
-    const double largest = *std::ranges::max_element(most);
+    const double largest = *std::ranges::max_element(max);
     double last = 1;
     std::vector<float> profile;
-    for (const double x : most) {
+    for (const double x : max) {
         last = x < 0 ? last : largest > 0 ? x / largest : 1;
         profile.push_back(float(last));
     }

@@ -1,5 +1,5 @@
 #include "base/floating_point.h"
-#include "measured/formats/rows.h"
+#include "measured/formats/format_rows.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
 
@@ -45,9 +45,9 @@ Result<ScatteredSamples> read_cornell(std::span<const std::byte> bytes, const st
     };
     std::string_view word = next();
     const auto count = to_number<std::uint32_t>(word);
-    if (!count || *count < 1 || *count > k_most_columns)
+    if (!count || *count < 1 || *count > k_max_columns)
         return at_line(file_name, lines.number(), "number of wavelengths",
-                       fmt::format("between 1 and {}", k_most_columns), quoted(word));
+                       fmt::format("between 1 and {}", k_max_columns), quoted(word));
     std::vector<float> wavelengths;
     for (std::uint32_t i = 0; i < *count; ++i) {
         word = next();

@@ -7,7 +7,7 @@
 #include "base/floating_point.h"
 #include "brdf/parts.h"
 #include "measured/formats/columns.h"
-#include "measured/formats/rows.h"
+#include "measured/formats/format_rows.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
 #include "srbf/elementary.h"
@@ -78,7 +78,7 @@ bool has_as_many_fields(std::string_view row, const Preamble& preamble) {
 
 /// If `has_names`, the option --columns names columns, and no line is a header.
 Preamble read_preamble(std::string_view text, bool has_names) {
-    constexpr int most_metadata = 200;
+    constexpr int max_metadata = 200;
     Lines lines(text);
     Preamble preamble{{}, k_any_separator, 0, lines, {}};
     const auto set_header = [&](std::string_view header, char separator) {
@@ -105,8 +105,8 @@ Preamble read_preamble(std::string_view text, bool has_names) {
             preamble.rows = lines;
             break;
         }
-        if (!comment && (is_row(*line) || ++metadata > most_metadata)) break;
-        if (!content.empty() && preamble.lines.size() < most_metadata) preamble.lines.push_back(content.substr(0, 300));
+        if (!comment && (is_row(*line) || ++metadata > max_metadata)) break;
+        if (!content.empty() && preamble.lines.size() < max_metadata) preamble.lines.push_back(content.substr(0, 300));
     }
     return preamble;
 }
@@ -142,10 +142,10 @@ struct Table {
 
 /// Bounds of the angles of all rows, in the unit of the file.
 struct PolarAngles {
-    double least_light = 0, most_light = 0;  ///< bounds of θ_l
-    double nearest_light = 1e300;            ///< the smallest |θ_l|
-    double largest_phi = 0;                  ///< the largest |φ_l|
-    double largest = 0;                      ///< the largest |θ_l| or |θ_v|
+    double min_light = 0, max_light = 0;  ///< bounds of θ_l
+    double nearest_light = 1e300;         ///< the smallest |θ_l|
+    double largest_phi = 0;               ///< the largest |φ_l|
+    double largest = 0;                   ///< the largest |θ_l| or |θ_v|
 };
 PolarAngles polar_angles(const Table& table, const std::string& file_name) {
     PolarAngles all;
@@ -157,8 +157,7 @@ PolarAngles polar_angles(const Table& table, const std::string& file_name) {
             const AngleColumn& angle = table.columns.angle[a];
             const double theta = angle.column == k_absent ? angle.constant : row.number<double>(angle.column);
             if (row.error()) return all;
-            if (a == 0)
-                all.least_light = std::min(all.least_light, theta), all.most_light = std::max(all.most_light, theta);
+            if (a == 0) all.min_light = std::min(all.min_light, theta), all.max_light = std::max(all.max_light, theta);
             all.largest = std::max(all.largest, std::abs(theta));
             if (a == 0) all.nearest_light = std::min(all.nearest_light, std::abs(theta));
         }
@@ -181,13 +180,13 @@ std::optional<Error> infer_angles(Table& table, const std::string& file_name, st
     const PolarAngles polar = polar_angles(table, file_name);
     if (guesses_unit) {
         const auto stated = std::ranges::find_if(angle, [](const auto& column) { return column.unit.has_value(); });
-        constexpr double least_radians = 0.5, rounding = 1e-3;
+        constexpr double min_radians = 0.5, rounding = 1e-3;
         std::optional<AngleUnit> unit;
         if (stated != angle.end())
             unit = stated->unit;
         else if (polar.largest > k_pi + rounding)
             unit = k_in_degrees;
-        else if (polar.largest >= least_radians && polar.largest <= k_pi / 2 + rounding)
+        else if (polar.largest >= min_radians && polar.largest <= k_pi / 2 + rounding)
             unit = k_in_radians;
         if (!unit)
             return at_line(file_name, line, "header",
@@ -206,10 +205,10 @@ std::optional<Error> infer_angles(Table& table, const std::string& file_name, st
         }
     }
     if (columns.in_plane) {
-        if (polar.least_light < 0 && polar.most_light > 0)
+        if (polar.min_light < 0 && polar.max_light > 0)
             return at_line(file_name, line, "header", "azimuths, as columns or as phi_l_deg=0,phi_v_deg=0 in --columns",
                            fmt::format("none, and lights on either side of the normal, from {:g} to {:g}",
-                                       polar.least_light, polar.most_light));
+                                       polar.min_light, polar.max_light));
         columns.notes.push_back(
             fmt::format("a scan in the plane of incidence, {} > 0 on the mirror side; --columns with "
                         "phi_l_deg=0,phi_v_deg=0 puts it on the side of the light",
@@ -359,9 +358,9 @@ Result<CollectedSamples> collect(std::span<const std::byte> bytes, const std::st
         const auto [wl, wv] = directions_in(row, columns);
         for (std::size_t v = 0; v < f.size(); ++v) f[v] = float(row.value(columns.value[v]));
         if (columns.wavelength != k_absent && columns.values != Values::spectrum) {
-            constexpr double most_micrometres = 50;
+            constexpr double max_micrometres = 50;
             double nm = row.number<double>(columns.wavelength, "wavelength");
-            if (nm < most_micrometres) nm *= 1000;
+            if (nm < max_micrometres) nm *= 1000;
             if (wavelength && *wavelength != nm && !are_rows)
                 row.fail("wavelength", "one in all rows, or one value in a row, or a column for each as 532nm",
                          fmt::format("{:g} and {:g}", *wavelength, nm));
@@ -414,7 +413,7 @@ Result<Measured> read_any_csv(std::span<const std::byte> bytes, const std::strin
     for (std::size_t p = 0; p < k_parts; ++p) any = any || !collected->part[p]->empty();
     for (std::size_t p = 0; p < k_parts; ++p) {
         if (any && collected->part[p]->empty()) continue;
-        auto samples = indexed(finish(*std::move(collected->part[p]), *collected, bytes.size(), file_name, {}));
+        auto samples = build_index(finish(*std::move(collected->part[p]), *collected, bytes.size(), file_name, {}));
         if (!samples) return samples.error();
         Measured part{file_name, "CSV", 0, *std::move(samples)};
         table.bands[0].part[p] = std::make_shared<const Measured>(std::move(part));

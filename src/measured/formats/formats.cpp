@@ -7,7 +7,7 @@
 #include "base/floating_point.h"
 #include "measured/bytes.h"
 #include "measured/extra_formats.h"
-#include "measured/formats/rows.h"
+#include "measured/formats/format_rows.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
 #include "srbf/file.h"
@@ -87,7 +87,7 @@ Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::str
                        first_bytes(bytes));
 }
 
-Result<Measured> indexed(Result<Measured> measured) {
+Result<Measured> build_index(Result<Measured> measured) {
     if (!measured) return measured;
     if (auto* samples = std::get_if<ScatteredSamples>(&measured->table)) make_index(*samples);
     return measured;
@@ -147,12 +147,12 @@ const Format* format_written_to(std::string_view path) {
     return found;
 }
 
-std::uint64_t most_bytes(Bytes head) {
-    if (const auto text = plain_text(head)) return most_bytes(as_bytes(*text));
-    std::uint64_t most = 0;
+std::uint64_t max_bytes(Bytes head) {
+    if (const auto text = plain_text(head)) return max_bytes(as_bytes(*text));
+    std::uint64_t max = 0;
     for (const Format& format : formats())
-        most = std::max(most, format.size ? format.size(head) : recognises(format, head) ? k_largest_file : 0);
-    return most;
+        max = std::max(max, format.size ? format.size(head) : recognises(format, head) ? k_largest_file : 0);
+    return max;
 }
 
 std::string names_of_formats() {
@@ -171,19 +171,19 @@ std::string extensions_of_formats() {
 Result<std::vector<std::byte>> read_input(const std::string& path, const ReadOptions& options) {
     if (!options.columns.empty()) return read_file(path);
     return read_file(
-        path, [](std::span<const std::byte> head) { return is_safetensors(head) ? k_largest_file : most_bytes(head); });
+        path, [](std::span<const std::byte> head) { return is_safetensors(head) ? k_largest_file : max_bytes(head); });
 }
 
 Result<Measured> read_as(const Format& format, std::span<const std::byte> bytes, const std::string& file_name,
                          const ReadOptions& options) {
     const StandardArithmetic mode;
-    return indexed(read_unindexed(format, bytes, file_name, options));
+    return build_index(read_unindexed(format, bytes, file_name, options));
 }
 
 Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& file_name,
                                const ReadOptions& options) {
     const StandardArithmetic mode;
-    return indexed(read_with_options(bytes, file_name, options));
+    return build_index(read_with_options(bytes, file_name, options));
 }
 
 Result<Measured> read_measured(std::vector<std::byte>&& bytes, const std::string& file_name,
@@ -191,7 +191,7 @@ Result<Measured> read_measured(std::vector<std::byte>&& bytes, const std::string
     const StandardArithmetic mode;
     auto measured = read_with_options(bytes, file_name, options);
     std::vector<std::byte>().swap(bytes);
-    return indexed(std::move(measured));
+    return build_index(std::move(measured));
 }
 
 Result<Measured> load_measured(const std::string& path, const ReadOptions& options) {

@@ -2,7 +2,7 @@
 #include "base/text.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
-#include "measured/formats/rows.h"
+#include "measured/formats/format_rows.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
 #include "measured/tables.h"
@@ -13,7 +13,7 @@ namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr std::string_view k_any_version = "NVIDIA ARC MBSDF V";
-constexpr std::size_t k_most_entries = 1024;  ///< bound on the lines of the header
+constexpr std::size_t k_max_entries = 1024;  ///< bound on the lines of the header
 
 struct Cursor {
     std::string_view text;
@@ -130,8 +130,8 @@ Result<std::vector<MbsdfTable>> read_blocks(std::span<const std::byte> bytes, co
         if (*line == k_mbsdf_reflection || *line == k_mbsdf_data) break;
         if (*line == k_mbsdf_transmission)
             return file.error(begin, "MBSDF file", "a block of reflection", "transmission alone");
-        if (metadata.size() == k_most_entries)
-            return file.error(begin, "MBSDF header", fmt::format("at most {} lines key=\"value\"", k_most_entries),
+        if (metadata.size() == k_max_entries)
+            return file.error(begin, "MBSDF header", fmt::format("at most {} lines key=\"value\"", k_max_entries),
                               "more");
         auto entry = parse_entry(file, *line, begin);
         if (!entry) return entry.error();
@@ -197,7 +197,7 @@ Rgb signed_value(const MbsdfTable& table, Vec3f wl, Vec3f wv) {
     add_row(l.second, v.first, l.fraction * (1 - v.fraction));
     add_row(l.second, v.second, l.fraction * v.fraction);
     // The mean may be rounded beyond the largest float. NaN remains.
-    for (int c = 0; c < 3; ++c) sum[c] = std::clamp(sum[c], -k_most_float, k_most_float);
+    for (int c = 0; c < 3; ++c) sum[c] = std::clamp(sum[c], -k_max_float, k_max_float);
     return sum;
 }
 

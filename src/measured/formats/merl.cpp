@@ -3,7 +3,7 @@
 #include "base/floating_point.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
-#include "measured/formats/rows.h"
+#include "measured/formats/format_rows.h"
 #include "measured/readers.h"
 #include "measured/tables.h"
 #include "srbf/measured.h"
@@ -42,7 +42,7 @@ std::uint64_t merl_bytes(std::span<const std::byte> head) {
 
 }  // namespace
 
-namespace of_numbers {
+namespace scalar {
 using Indices = std::size_t;
 inline Indices index(float whole) { return Indices(whole); }
 inline Indices scale(Indices i, std::size_t factor) { return i * factor; }
@@ -51,7 +51,7 @@ inline float gather(const float* numbers, Indices i) { return numbers[i]; }
 inline float floor(float x) { return float(Indices(x)); }  // of x ≥ 0
 inline bool is_number(float x) { return x == x; }
 #include "measured/merl.inl"
-}  // namespace of_numbers
+}  // namespace scalar
 
 Result<MerlTable> read_merl(std::span<const std::byte> bytes, const std::string& file_name) {
     const StandardArithmetic mode;
@@ -85,7 +85,7 @@ Result<MerlTable> read_merl(std::span<const std::byte> bytes, const std::string&
 
 Rgb signed_value(const MerlTable& table, Vec3f wl, Vec3f wv) {
     if (!above_horizon(wl, wv)) return {};
-    const Vec3f f = of_numbers::merl_value(table, wl, wv);
+    const Vec3f f = scalar::merl_value(table, wl, wv);
     return {f.x, f.y, f.z};
 }
 

@@ -4,7 +4,7 @@
 #include "brdf/colour.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
-#include "measured/formats/rows.h"
+#include "measured/formats/format_rows.h"
 #include "measured/formats/tensor_file.h"
 #include "measured/formats/warp.h"
 #include "measured/readers.h"
@@ -17,12 +17,12 @@ namespace {
 
 constexpr std::uint64_t k_largest_extent = 65536;
 
-/// Requirements on a field. An extent of 0 stands for any extent of at least `least_extent`.
+/// Requirements on a field. An extent of 0 stands for any extent of at least `min_extent`.
 struct Expected {
     const char* name;
     TensorType type;
     std::vector<std::uint64_t> shape;
-    std::uint64_t least_extent = 1;
+    std::uint64_t min_extent = 1;
 };
 
 Error wrong(const std::string& file_name, const std::string& name, const TensorField& field, std::string expected,
@@ -41,7 +41,7 @@ Result<TensorField> find(const TensorFile& file, const std::string& file_name, c
     const TensorField& field = entry->second;
     bool fits = field.type == expected.type && field.shape.size() == expected.shape.size();
     for (std::size_t i = 0; fits && i < field.shape.size(); ++i)
-        fits = expected.least_extent <= field.shape[i] && field.shape[i] <= k_largest_extent &&
+        fits = expected.min_extent <= field.shape[i] && field.shape[i] <= k_largest_extent &&
                (expected.shape[i] == 0 || expected.shape[i] == field.shape[i]);
     if (!fits) return wrong(file_name, expected.name, field, wanted, describe(field.type, field.shape));
     return field;
@@ -53,15 +53,15 @@ struct Floats {
 };
 
 Result<Floats> find_floats(const TensorFile& file, const std::string& file_name, const Expected& expected,
-                           float least = -k_largest_value) {
+                           float min = -k_largest_value) {
     const auto field = find(file, file_name, expected);
     if (!field) return field.error();
     std::vector<float> values(field->bytes.size() / sizeof(float));
     std::memcpy(values.data(), field->bytes.data(), field->bytes.size());
     for (std::size_t i = 0; i < values.size(); ++i)
-        if (!(least <= values[i] && values[i] <= k_largest_value))
+        if (!(min <= values[i] && values[i] <= k_largest_value))
             return Error{file_name, field->offset + i * sizeof(float), fmt::format("tensor field {}", expected.name),
-                         fmt::format("values between {} and {}", least, k_largest_value), fmt::format("{}", values[i])};
+                         fmt::format("values between {} and {}", min, k_largest_value), fmt::format("{}", values[i])};
     return Floats{*field, std::move(values)};
 }
 
@@ -86,8 +86,8 @@ struct Azimuths {
 
 /// Reads a function of polar angle and azimuth. An isotropic one is stored for two or more equal azimuths.
 Result<RglTable::Profile> read_profile(const TensorFile& file, const std::string& file_name, const char* name,
-                                       const Azimuths& azimuths, float least) {
-    auto table = find_floats(file, file_name, {name, TensorType::f32, {0, 0}}, least);
+                                       const Azimuths& azimuths, float min) {
+    auto table = find_floats(file, file_name, {name, TensorType::f32, {0, 0}}, min);
     if (!table) return table.error();
     const TensorField& field = table->field;
     if (field.shape[1] < 2 || (!azimuths.isotropic() && field.shape[0] < 2))
@@ -100,8 +100,8 @@ Result<RglTable::Profile> read_profile(const TensorFile& file, const std::string
 
 /// Reads a field of slices φ_l × θ_l (× channels) × rows × columns, without the repetitions of an isotropic file.
 Result<Floats> read_slices(const TensorFile& file, const std::string& file_name, const Expected& expected,
-                           const Azimuths& azimuths, float least = -k_largest_value) {
-    auto floats = find_floats(file, file_name, expected, least);
+                           const Azimuths& azimuths, float min = -k_largest_value) {
+    auto floats = find_floats(file, file_name, expected, min);
     if (!floats) return floats.error();
     const auto& shape = floats->field.shape;
     if (shape[shape.size() - 1] < 2 || shape[shape.size() - 2] < 2)
@@ -251,7 +251,7 @@ template <typename Visit> double look_up(const RglTable& table, Vec3f wl, Vec3f 
 }
 
 /// Clamps a value, which may exceed the range of float at the horizon.
-float finite(double x) { return float(std::clamp<double>(x, -k_most_float, k_most_float)); }
+float finite(double x) { return float(std::clamp<double>(x, -k_max_float, k_max_float)); }
 
 bool is_rgl(std::span<const std::byte> bytes) { return as_text(bytes).starts_with(k_tensor_magic); }
 
@@ -293,10 +293,10 @@ Result<RglTable> read_rgl(std::span<const std::byte> bytes, const std::string& f
             error = read.error();
         return !error;
     };
-    constexpr float least_sigma = std::numeric_limits<float>::min();
+    constexpr float min_sigma = std::numeric_limits<float>::min();
     const bool is_spectral = !file.contains("rgb") && file.contains("spectra");
     if (!take(read_profile(file, file_name, "ndf", *azimuths, 0), table.ndf) ||
-        !take(read_profile(file, file_name, "sigma", *azimuths, least_sigma), table.sigma) ||
+        !take(read_profile(file, file_name, "sigma", *azimuths, min_sigma), table.sigma) ||
         !take(read_visible(file, file_name, *azimuths, table.theta_l.size()), table.visible) ||
         (is_spectral && !take(read_wavelengths(file, file_name), table.wavelengths)) ||
         !take(read_colours(file, file_name, *azimuths, table), table.colour))

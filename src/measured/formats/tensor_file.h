@@ -16,8 +16,8 @@ namespace SRBF_NAMESPACE {
 
 inline constexpr std::string_view k_tensor_magic("tensor_file\0", 12);
 /// Limits far above those of any measurement.
-inline constexpr std::uint32_t k_most_tensor_fields = 1024;
-inline constexpr std::uint16_t k_most_tensor_extents = 8;
+inline constexpr std::uint32_t k_max_tensor_fields = 1024;
+inline constexpr std::uint16_t k_max_tensor_extents = 8;
 
 /// Element types with their codes in the file.
 enum class TensorType : std::uint8_t { u8 = 1, i8, u16, i16, u32, i32, u64, i64, f16, f32, f64 };
@@ -86,9 +86,9 @@ inline Result<std::pair<std::string, TensorField>> parse_tensor_field(ByteReader
     if (*type == 0 || *type >= k_tensor_type_bytes.size())
         return Error{file_name, begin, "type of tensor field " + shown, "between 1 and 11", fmt::format("{}", *type)};
 
-    if (*rank > k_most_tensor_extents)
-        return Error{file_name, begin, "rank of tensor field " + shown,
-                     fmt::format("at most {}", k_most_tensor_extents), fmt::format("{}", *rank)};
+    if (*rank > k_max_tensor_extents)
+        return Error{file_name, begin, "rank of tensor field " + shown, fmt::format("at most {}", k_max_tensor_extents),
+                     fmt::format("{}", *rank)};
 
     TensorField field{TensorType(*type), *offset, {}, {}};
     for (int i = 0; i < *rank; ++i) {
@@ -115,8 +115,8 @@ inline Result<TensorFile> parse_tensor_file(std::span<const std::byte> bytes, co
     if (*major != 1 || *minor != 0)
         return Error{file_name, 12, "version of the tensor file", "1.0", fmt::format("{}.{}", *major, *minor)};
 
-    if (*count > k_most_tensor_fields)
-        return Error{file_name, 14, "number of tensor fields", fmt::format("at most {}", k_most_tensor_fields),
+    if (*count > k_max_tensor_fields)
+        return Error{file_name, 14, "number of tensor fields", fmt::format("at most {}", k_max_tensor_fields),
                      fmt::format("{}", *count)};
 
     TensorFile file;

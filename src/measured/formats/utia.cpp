@@ -4,7 +4,7 @@
 #include "base/printable.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
-#include "measured/formats/rows.h"
+#include "measured/formats/format_rows.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
 #include "measured/tables.h"
@@ -54,7 +54,7 @@ Rgb signed_value(const UtiaTable& table, Vec3f wl, Vec3f wv) {
             const Rgb& cell = table.cells[std::size_t(light.node[l]) * UtiaTable::k_directions + view.node[v]];
             for (int c = 0; c < 3; ++c) f[c] += weight * cell[c];
         }
-    for (int c = 0; c < 3; ++c) f[c] = std::min(f[c], k_most_float);
+    for (int c = 0; c < 3; ++c) f[c] = std::min(f[c], k_max_float);
     return f;
 }
 

@@ -90,8 +90,8 @@ struct BeamReader {
         const Tensor16* tensor = find(azimuths);
         for (std::size_t i = 0; tensor && i < tensor->data.size(); ++i) {
             const float n = from_half(tensor->data[i]);
-            if (!(n >= 1 && n <= float(k_most_beam_nodes) && n == std::floor(n)))
-                return error(azimuths, fmt::format("whole numbers from 1 to {}", k_most_beam_nodes),
+            if (!(n >= 1 && n <= float(k_max_beam_nodes) && n == std::floor(n)))
+                return error(azimuths, fmt::format("whole numbers from 1 to {}", k_max_beam_nodes),
                              fmt::format("{}", n));
             beam.azimuths.push_back(int(n));
         }
@@ -101,16 +101,16 @@ struct BeamReader {
     Result<std::map<std::string, TensorShape>> shapes(std::string_view name) const {
         const std::string angle = angle_name(name), azimuths = azimuths_name(name), share = share_name(name);
         const auto& shape = find(angle)->shape;
-        if (shape.size() != 1 || shape[0] < 1 || shape[0] > k_most_beam_rings)
+        if (shape.size() != 1 || shape[0] < 1 || shape[0] > k_max_beam_rings)
             return input_error(file_name, fmt::format("tensor '{}': shape", angle),
-                               fmt::format("[n] up to [{}]", k_most_beam_rings), shape_text(shape));
+                               fmt::format("[n] up to [{}]", k_max_beam_rings), shape_text(shape));
         std::map<std::string, TensorShape> expected{{angle, {Type16::half, {shape[0]}}}};
         std::uint64_t nodes = shape[0];
         if (const Tensor16* tensor = find(azimuths)) {
             expected[azimuths] = {Type16::half, {shape[0]}};
             nodes = 0;
             for (const std::uint16_t half : tensor->data)
-                if (const float n = from_half(half); n >= 1 && n <= float(k_most_beam_nodes)) nodes += std::uint64_t(n);
+                if (const float n = from_half(half); n >= 1 && n <= float(k_max_beam_nodes)) nodes += std::uint64_t(n);
         }
         const Tensor16* shares = find(share);
         const bool is_grey = find(azimuths) && shares && shares->shape.size() == 2 && shares->shape[1] == 1;

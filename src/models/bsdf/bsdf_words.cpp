@@ -1,7 +1,7 @@
 // Describes a BSDF to programs and people.
 
+#include "brdf/info_rows.h"
 #include "brdf/parts.h"
-#include "brdf/rows.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/bsdf/bsdf_kind.h"
 #include "models/kind/parameters.h"
@@ -15,14 +15,14 @@ void Kind<BsdfModel>::add_rows(std::string& text, const BsdfModel& model) {
     add_row(text, "model", fmt::format("bsdf: models of reflection and transmission, {} bytes", payload_bytes(model)));
     add_beams(text, model.beam);
     for (std::size_t p = 0; p < k_parts; ++p) {
-        const Answering<Model> answer = answering(model.part, Part(p));
+        const PartSource<Model> used = part_source(model.part, Part(p));
         if (model.part[p])
             text += fmt::format("\n  {}\n{}", k_part_names[p], rows_text(*model.part[p]));
         else
             text += fmt::format("\n  {}: {}\n", k_part_names[p],
-                                !answer.brdf       ? is_known(model.part, model.beam, Part(p)) ? "a beam alone" : "0"
-                                : answer.exchanged ? "by reciprocity"
-                                                   : "that of the other side");
+                                !used.brdf       ? is_known(model.part, model.beam, Part(p)) ? "a beam alone" : "0"
+                                : used.exchanged ? "by reciprocity"
+                                                 : "that of the other side");
     }
 }
 
@@ -71,7 +71,7 @@ BsdfModel Kind<BsdfModel>::from_parameters(ParameterReader& reader) {
         if (!reader.has(azimuths)) continue;
         // An invalid number of nodes becomes 0, which is refused later.
         for (const float n : reader.numbers(azimuths, {&ring, 1}))
-            beam.azimuths.push_back(n >= 1 && n <= float(k_most_beam_nodes) ? int(n) : 0);
+            beam.azimuths.push_back(n >= 1 && n <= float(k_max_beam_nodes) ? int(n) : 0);
     }
     return model;
 }

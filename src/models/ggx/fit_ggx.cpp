@@ -66,7 +66,7 @@ class GgxProblem {
   private:
     template <typename Value> std::vector<float> column(const Value& value) const {
         std::vector<float> values(rows_);
-        parallel_for_parts(rows_, k_block_rows, threads_, [&](std::size_t begin, std::size_t end) {
+        parallel_for_chunks(rows_, k_block_rows, threads_, [&](std::size_t begin, std::size_t end) {
             for (std::size_t row = begin; row < end; ++row)
                 values[row] = value(observations_.wl[row], observations_.wv[row]);
         });
@@ -87,10 +87,10 @@ class GgxProblem {
     /// The inner products of the model's terms and of f's channels R, G, B, weighted by w.
     Eigen::MatrixXd moments(const LogRoughness& log_alpha) {
         const Eigen::Index terms = 1 + 2 * Eigen::Index(log_alpha.size());
-        std::array<const float*, k_most_ggx_lobes> lobe_facets{};
+        std::array<const float*, k_max_ggx_lobes> lobe_facets{};
         for (std::size_t i = 0; i < log_alpha.size(); ++i) lobe_facets[i] = facets(log_alpha[i]).data();
-        std::vector<Eigen::MatrixXd> parts(part_count(rows_, k_block_rows));
-        parallel_for_parts(rows_, k_block_rows, threads_, [&](std::size_t begin, std::size_t end) {
+        std::vector<Eigen::MatrixXd> parts(chunk_count(rows_, k_block_rows));
+        parallel_for_chunks(rows_, k_block_rows, threads_, [&](std::size_t begin, std::size_t end) {
             Eigen::MatrixXd columns(terms + 3, Eigen::Index(end - begin));
             for (std::size_t row = begin; row < end; ++row) {
                 auto t = columns.col(Eigen::Index(row - begin));
@@ -122,14 +122,14 @@ class GgxProblem {
         facets_;  ///< a cache of the last values of roughness, of which a search changes one at a time
 };
 
-constexpr double k_least_log = -10;  ///< log2 of k_least_roughness
+constexpr double k_min_log = -10;  ///< log2 of k_min_roughness
 
-/// The roughness of all lobes on a grid of half octaves from `least_log` on. The first of two lobes is the narrower
+/// The roughness of all lobes on a grid of half octaves from `min_log` on. The first of two lobes is the narrower
 /// one.
-std::vector<LogRoughness> roughness_grid(int lobes, double least_log) {
-    std::vector<double> octaves{least_log};
-    for (double x = k_least_log; x <= 0; x += 0.5)
-        if (x > least_log) octaves.push_back(x);
+std::vector<LogRoughness> roughness_grid(int lobes, double min_log) {
+    std::vector<double> octaves{min_log};
+    for (double x = k_min_log; x <= 0; x += 0.5)
+        if (x > min_log) octaves.push_back(x);
     std::vector<LogRoughness> grid;
     for (std::size_t i = 0; i < octaves.size(); ++i) {
         if (lobes == 1) grid.push_back({octaves[i]});
@@ -139,27 +139,27 @@ std::vector<LogRoughness> roughness_grid(int lobes, double least_log) {
 }
 
 /// The best roughness of the grid. Empty if no loss is finite.
-LogRoughness scan(GgxProblem& problem, int lobes, double least_log) {
+LogRoughness scan(GgxProblem& problem, int lobes, double min_log) {
     LogRoughness best;
-    double least = std::numeric_limits<double>::infinity();
-    for (const LogRoughness& log_alpha : roughness_grid(lobes, least_log))
-        if (const double loss = problem.loss(log_alpha); loss < least) least = loss, best = log_alpha;
+    double min = std::numeric_limits<double>::infinity();
+    for (const LogRoughness& log_alpha : roughness_grid(lobes, min_log))
+        if (const double loss = problem.loss(log_alpha); loss < min) min = loss, best = log_alpha;
     return best;
 }
 
 /// Moves to the neighbour that lowers the loss, or else halves the step (Hooke & Jeeves 1961).
-void refine(GgxProblem& problem, LogRoughness& log_alpha, double least_log) {
-    double least = problem.loss(log_alpha);
+void refine(GgxProblem& problem, LogRoughness& log_alpha, double min_log) {
+    double min = problem.loss(log_alpha);
     for (double step = 0.25; step > 1e-4; step /= 2)
         for (bool lowered = true; lowered;) {
             lowered = false;
             for (double& x : log_alpha)
                 for (const double next : {x - step, x + step}) {
                     const double previous = x;
-                    x = std::clamp(next, least_log, 0.0);
+                    x = std::clamp(next, min_log, 0.0);
                     const double loss = problem.loss(log_alpha);
-                    if (loss < least)
-                        least = loss, lowered = true;
+                    if (loss < min)
+                        min = loss, lowered = true;
                     else
                         x = previous;
                 }
@@ -168,7 +168,7 @@ void refine(GgxProblem& problem, LogRoughness& log_alpha, double least_log) {
 
 /// Variables of a search by pictures: roots of coefficients, and log2 of the roughness as a share of its range.
 struct GgxVariables {
-    double least_log;
+    double min_log;
     std::size_t lobes;
     bool is_grey;  ///< pictures see channels differently: those of grey data have the mean root
 
@@ -181,7 +181,7 @@ struct GgxVariables {
         };
         GgxModel model{colour(0), {}};
         for (Eigen::Index i = 3; i < x.size(); i += 5)
-            model.lobes.push_back({float(elementary::exp2(least_log * (1 - x[i]))), colour(i + 1), square(i + 4)});
+            model.lobes.push_back({float(elementary::exp2(min_log * (1 - x[i]))), colour(i + 1), square(i + 4)});
         return model;
     }
     Eigen::VectorXd x_of(const GgxModel& model) const {
@@ -191,16 +191,16 @@ struct GgxVariables {
         };
         add_roots(model.diffuse);
         for (const GgxModel::Lobe& lobe : model.lobes) {
-            x.push_back(std::clamp(1 - elementary::log2(double(lobe.roughness)) / least_log, 0.0, 1.0));
+            x.push_back(std::clamp(1 - elementary::log2(double(lobe.roughness)) / min_log, 0.0, 1.0));
             add_roots(lobe.f0);
             x.push_back(std::sqrt(double(lobe.f90)));
         }
         return Eigen::Map<const Eigen::VectorXd>(x.data(), Eigen::Index(x.size()));
     }
-    Eigen::VectorXd most() const {
-        Eigen::VectorXd most = Eigen::VectorXd::Constant(Eigen::Index(3 + 5 * lobes), 100);
-        for (std::size_t lobe = 0; lobe < lobes; ++lobe) most[Eigen::Index(3 + 5 * lobe)] = 1;
-        return most;
+    Eigen::VectorXd max() const {
+        Eigen::VectorXd max = Eigen::VectorXd::Constant(Eigen::Index(3 + 5 * lobes), 100);
+        for (std::size_t lobe = 0; lobe < lobes; ++lobe) max[Eigen::Index(3 + 5 * lobe)] = 1;
+        return max;
     }
 };
 
@@ -211,18 +211,19 @@ constexpr double k_pair_share = 0.3;
 /// The model with the least loss of pixels and pairs, starting from `solved`, the best model by pairs, and from the
 /// best by pairs at each roughness of the grid.
 Result<Fitted<GgxModel>> fit_pixels(const Observations& observations, GgxProblem& pairs, const GgxModel& solved,
-                                    double least_log, int threads, const ProgressToken& progress) {
-    const GgxVariables variables{least_log, solved.lobes.size(), observations.is_grey()};
+                                    double min_log, int threads, const ProgressToken& progress) {
+    const GgxVariables variables{min_log, solved.lobes.size(), observations.is_grey()};
     std::vector<SurfaceCandidate<GgxModel>> candidates{{solved}};
-    for (const LogRoughness& log_alpha : roughness_grid(int(solved.lobes.size()), least_log))
+    for (const LogRoughness& log_alpha : roughness_grid(int(solved.lobes.size()), min_log))
         candidates.push_back({pairs.solve(log_alpha).model});
     const auto variables_of = [&](const GgxModel&) { return variables; };
     double done = 0.5;
     std::optional<SurfaceData> data;
     for (const SurfaceRound& round : {SurfaceRound{candidates.size(), 8, 0}, {24, 4, 12}, {6, 1, 40}}) {
         if (!progress.report("fitting pixels", done)) return cancelled_error("fit");
-        data.emplace(observations, round.n).add_pairs(observations, round.n, evaluator(solved), k_pair_share);
-        lower(candidates, round, *data, variables_of, threads);
+        data.emplace(observations, round.subsampling)
+            .add_pairs(observations, round.subsampling, evaluator(solved), k_pair_share);
+        refine_candidates(candidates, round, *data, variables_of, threads);
         done += 0.15;
     }
     SurfaceProblem problem(*data, variables);
@@ -237,28 +238,27 @@ Result<Fitted<GgxModel>> Kind<GgxModel>::fit(const Observations& observations, c
                                              const FitConditions& conditions, const ProgressToken& progress) {
     const StandardArithmetic mode;
     if (const auto valid = validate(observations, std::size_t(3 + 5 * request.lobes)); !valid) return valid.error();
-    if (request.lobes < 1 || request.lobes > k_most_ggx_lobes)
+    if (request.lobes < 1 || request.lobes > k_max_ggx_lobes)
         return Error{"fit", {}, "number of lobes", "1 or 2", std::to_string(request.lobes), ErrorCode::argument};
     Observations weighed = observations;
     GgxProblem sample(weighed, k_scanned_rows, conditions.threads), all(weighed, weighed.f.size(), conditions.threads);
     // Below α = 1/2, so that the grid has values for two lobes.
-    const double least_log =
-        std::clamp(elementary::log2(std::max(observations.least_roughness, 1e-9)), k_least_log, -1.0);
+    const double min_log = std::clamp(elementary::log2(std::max(observations.min_roughness, 1e-9)), k_min_log, -1.0);
     if (!progress.report("scanning roughness", 0)) return cancelled_error("fit");
-    LogRoughness log_alpha = scan(sample, request.lobes, least_log);
+    LogRoughness log_alpha = scan(sample, request.lobes, min_log);
     if (!progress.report("refining roughness", 0.2)) return cancelled_error("fit");
-    refine(all, log_alpha, least_log);
+    refine(all, log_alpha, min_log);
     for (int round = 0; round < k_facet_rounds && traits(observations.objective).response; ++round) {
         const GgxModel model = all.solve(log_alpha).model;
         weighed.weight = observations.weight;
-        weigh_large_errors(weighed, evaluator(model), k_most_facet_change);
+        weigh_large_errors(weighed, evaluator(model), k_max_facet_change);
         if (!progress.report("refining roughness", 0.3 + 0.2 * round / k_facet_rounds)) return cancelled_error("fit");
-        if (round == 0) log_alpha = scan(sample, request.lobes, least_log);
-        refine(all, log_alpha, least_log);
+        if (round == 0) log_alpha = scan(sample, request.lobes, min_log);
+        refine(all, log_alpha, min_log);
     }
     if (log_alpha.empty()) return Error{"fit", {}, "loss of every roughness", "a finite number", "none"};
     if (!observations.views.empty())
-        return fit_pixels(weighed, sample, all.solve(log_alpha).model, least_log, conditions.threads, progress);
+        return fit_pixels(weighed, sample, all.solve(log_alpha).model, min_log, conditions.threads, progress);
     Fitted<GgxModel> fit;
     auto [unrounded, unrounded_loss] = all.solve(log_alpha);
     fit.unrounded = std::move(unrounded);

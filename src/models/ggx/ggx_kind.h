@@ -14,14 +14,10 @@ template <> struct Kind<GgxModel> : KindOfNumbers<GgxModel> {
     static constexpr std::string_view name = GgxRequest::k_name, words = "Lambert and GGX";
     using Lobe = GgxModel::Lobe;
     static constexpr Member<GgxModel, Lobe> numbers[] = {
-        {.name = "diffuse", .least = 0, .most = k_unbounded, .colour = &GgxModel::diffuse, .row = "diffuse RGB"},
-        {.name = "roughness",
-         .least = k_least_roughness,
-         .most = 1,
-         .lobe_number = &Lobe::roughness,
-         .row = "roughness α"},
-        {.name = "f0", .least = 0, .most = k_unbounded, .lobe_colour = &Lobe::f0, .tensor = "facing", .row = "F0 RGB"},
-        {.name = "f90", .least = 0, .most = k_unbounded, .lobe_number = &Lobe::f90, .tensor = "grazing", .row = "F90"},
+        {.name = "diffuse", .min = 0, .max = k_unbounded, .colour = &GgxModel::diffuse, .row = "diffuse RGB"},
+        {.name = "roughness", .min = k_min_roughness, .max = 1, .lobe_number = &Lobe::roughness, .row = "roughness α"},
+        {.name = "f0", .min = 0, .max = k_unbounded, .lobe_colour = &Lobe::f0, .tensor = "facing", .row = "F0 RGB"},
+        {.name = "f90", .min = 0, .max = k_unbounded, .lobe_number = &Lobe::f90, .tensor = "grazing", .row = "F90"},
     };
     static Result<GgxModel> read(Safetensors& content, const std::string& file_name);
     static auto rho(const GgxModel& model) {

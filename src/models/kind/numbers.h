@@ -8,7 +8,7 @@
 #include "base/errors.h"
 #include "base/floating_point.h"
 #include "base/half.h"
-#include "brdf/rows.h"
+#include "brdf/info_rows.h"
 #include "brdf/values.h"
 #include "models/kind/kind.h"
 
@@ -17,14 +17,14 @@ SRBF_BEGIN
 /// A number or a colour of a model, or of each of its lobes, by one of four pointers.
 template <typename M, typename Lobe = M> struct Member {
     std::string_view name;  ///< name of the parameter
-    float least, most;      ///< infinity: the largest 16-bit float
+    float min, max;         ///< infinity: the largest 16-bit float
     float M::*number = nullptr;
     Rgb M::*colour = nullptr;
     float Lobe::*lobe_number = nullptr;
     Rgb Lobe::*lobe_colour = nullptr;
     std::string_view tensor = name, row = name;  ///< names in the file and in the rows of `srbf info`
 
-    constexpr bool of_lobe() const { return lobe_number || lobe_colour; }
+    constexpr bool belongs_to_lobe() const { return lobe_number || lobe_colour; }
     constexpr int count() const { return colour || lobe_colour ? 3 : 1; }
 };
 inline constexpr float k_unbounded = std::numeric_limits<float>::infinity();
@@ -45,7 +45,7 @@ template <typename M> std::size_t lobes_of_numbers(const M& model) {
     return 0;
 }
 template <typename M, typename Lobe>
-std::vector<float> numbers_of(const M& model, const Member<M, Lobe>& member, std::size_t first, std::size_t end) {
+std::vector<float> collect_numbers(const M& model, const Member<M, Lobe>& member, std::size_t first, std::size_t end) {
     std::vector<float> numbers;
     for (std::size_t lobe = first; lobe < end; ++lobe)
         for (int c = 0; c < member.count(); ++c) numbers.push_back(number(model, member, c, lobe));
@@ -53,10 +53,11 @@ std::vector<float> numbers_of(const M& model, const Member<M, Lobe>& member, std
 }
 /// All numbers of a member, and their shape: [L] or [L, 3] for members of lobes, [1] or [3] for others.
 template <typename M, typename Lobe> NumberArray array_of(const M& model, const Member<M, Lobe>& member) {
-    const std::size_t slots = member.of_lobe() ? lobes_of_numbers(model) : 1, count = std::size_t(member.count());
-    std::vector<std::size_t> shape{member.of_lobe() ? slots : count};
-    if (member.of_lobe() && count > 1) shape.push_back(count);
-    return {std::move(shape), numbers_of(model, member, 0, slots)};
+    const std::size_t slots = member.belongs_to_lobe() ? lobes_of_numbers(model) : 1,
+                      count = std::size_t(member.count());
+    std::vector<std::size_t> shape{member.belongs_to_lobe() ? slots : count};
+    if (member.belongs_to_lobe() && count > 1) shape.push_back(count);
+    return {std::move(shape), collect_numbers(model, member, 0, slots)};
 }
 
 /// A file has the members that are stored: all of them, unless the kind says otherwise.
@@ -111,7 +112,7 @@ template <typename M> struct KindOfNumbers {
             Tensor16& tensor = content.tensors[std::string(member.tensor)] = {
                 Type16::half, {array.shape.begin(), array.shape.end()}, {}};
             for (const float x : array.numbers)
-                tensor.data.push_back(to_half(std::clamp(x, member.least, std::min(member.most, k_half_max))));
+                tensor.data.push_back(to_half(std::clamp(x, member.min, std::min(member.max, k_half_max))));
         }
         return content;
     }
@@ -131,10 +132,10 @@ template <typename M> struct KindOfNumbers {
             const auto tensor = content.tensors.find(std::string(member.tensor));
             for (std::size_t i = 0; tensor != content.tensors.end() && i < tensor->second.data.size(); ++i) {
                 const float x = from_half(tensor->second.data[i]);
-                if (!(x >= member.least && x <= member.most))
+                if (!(x >= member.min && x <= member.max))
                     return input_error(file_name, fmt::format("tensor '{}'", member.tensor),
-                                       member.most == k_unbounded ? "numbers of at least 0"
-                                                                  : fmt::format("{} to {}", member.least, member.most),
+                                       member.max == k_unbounded ? "numbers of at least 0"
+                                                                 : fmt::format("{} to {}", member.min, member.max),
                                        fmt::format("{}", x));
                 number(model, member, int(i) % member.count(), i / std::size_t(member.count())) = x;
             }
@@ -144,7 +145,7 @@ template <typename M> struct KindOfNumbers {
     static double largest(const M& model) {
         double largest = 0;
         for (const auto& member : Kind<M>::numbers)
-            if (member.most == k_unbounded)
+            if (member.max == k_unbounded)
                 for (const float x : array_of(model, member).numbers) largest = std::max(largest, double(x));
         return largest;
     }
@@ -157,16 +158,16 @@ template <typename M> struct KindOfNumbers {
         for (const auto& member : Kind<M>::numbers) width = std::max(width, member.row.size() + 1);
         for (std::size_t row = 0; row <= lobes_of_numbers(model); ++row)
             for (const auto& member : Kind<M>::numbers)
-                if (member.of_lobe() == (row > 0)) {
+                if (member.belongs_to_lobe() == (row > 0)) {
                     const std::size_t lobe = std::max<std::size_t>(row, 1) - 1;
                     text += fmt::format("  {:<{}}{:.4g}\n", member.row, width,
-                                        fmt::join(numbers_of(model, member, lobe, lobe + 1), "  "));
+                                        fmt::join(collect_numbers(model, member, lobe, lobe + 1), "  "));
                 }
     }
     static Parameters members(const M& model) {
         Parameters numbers = parameters(model);
         for (std::size_t i = 0; i < numbers.size(); ++i)
-            if (const auto& member = Kind<M>::numbers[i]; !member.of_lobe() && member.count() == 1)
+            if (const auto& member = Kind<M>::numbers[i]; !member.belongs_to_lobe() && member.count() == 1)
                 std::get<NumberArray>(numbers[i].value).shape.clear();
         return {{"form", std::string(Kind<M>::name)},
                 {"lobes", std::max(1, int(lobes_of_numbers(model)))},
@@ -176,8 +177,8 @@ template <typename M> struct KindOfNumbers {
     }
     /// A member in code: "x", or "Vec3(r, g, b)".
     template <typename Lobe>
-    static std::string text_of(const M& model, const Member<M, Lobe>& member, const NumberText& text,
-                               std::size_t lobe = 0) {
+    static std::string number_text(const M& model, const Member<M, Lobe>& member, const NumberText& text,
+                                   std::size_t lobe = 0) {
         std::vector<std::string> numbers;
         for (int c = 0; c < member.count(); ++c)
             numbers.push_back(
@@ -196,10 +197,10 @@ template <typename M> struct KindOfNumbers {
     static M from_parameters(ParameterReader& reader) {
         M model;
         for (const auto& member : Kind<M>::numbers) {
-            const char* const colour = member.of_lobe() ? "L3" : "3";
-            const auto numbers = reader.numbers(member.name, member.count() > 1 ? colour
-                                                             : member.of_lobe() ? "L"
-                                                                                : "1");
+            const char* const colour = member.belongs_to_lobe() ? "L3" : "3";
+            const auto numbers = reader.numbers(member.name, member.count() > 1         ? colour
+                                                             : member.belongs_to_lobe() ? "L"
+                                                                                        : "1");
             if constexpr (requires { model.lobes; }) model.lobes.resize(reader.length('L'));
             for (std::size_t i = 0; i < numbers.size(); ++i)
                 number(model, member, int(i) % member.count(), i / std::size_t(member.count())) = numbers[i];

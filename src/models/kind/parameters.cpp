@@ -67,10 +67,10 @@ bool ParameterReader::flag(std::string_view name, bool preset) {
     return flag ? *flag : preset;
 }
 
-int ParameterReader::whole(std::string_view name, int least, int most, int preset) {
+int ParameterReader::whole(std::string_view name, int min, int max, int preset) {
     const auto* number = value<int>(name, "a whole number");
-    if (number && (*number < least || *number > most))
-        refuse(name, fmt::format("{} to {}", least, most), std::to_string(*number));
+    if (number && (*number < min || *number > max))
+        refuse(name, fmt::format("{} to {}", min, max), std::to_string(*number));
     return number && !error_ ? *number : preset;
 }
 

@@ -55,7 +55,7 @@ template <typename T> NumberArray array_of(std::vector<std::size_t> shape, const
 }
 
 /// The inverse of `array_of`.
-template <typename T> std::vector<T> rows_of(const std::vector<float>& numbers) {
+template <typename T> std::vector<T> split_rows(const std::vector<float>& numbers) {
     const auto* rows = reinterpret_cast<const T*>(numbers.data());
     return {rows, rows + numbers.size() * sizeof(float) / sizeof(T)};
 }
@@ -71,13 +71,13 @@ class ParameterReader {
     std::vector<float> numbers(std::string_view name, std::string_view shape);
     /// Reads vectors or colours; the last axis is 3.
     template <typename T> std::vector<T> vectors(std::string_view name, std::string_view shape) {
-        return rows_of<T>(numbers(name, shape));
+        return split_rows<T>(numbers(name, shape));
     }
     /// Reads vectors of length 1; its square may differ by 1e-3.
     std::vector<Vec3f> units(std::string_view name, std::string_view shape);
     std::string word(std::string_view name, const std::vector<std::string_view>& known, std::string_view preset);
     bool flag(std::string_view name, bool preset);
-    int whole(std::string_view name, int least, int most, int preset);
+    int whole(std::string_view name, int min, int max, int preset);
     /// The values of a part; null if there are none.
     const Parameters* part(std::string_view name);
 

@@ -14,7 +14,7 @@ namespace {
 struct FittedParameter {
     std::string_view name;
     bool openpbr, gltf, principled;
-    float least = 0, most = 0;  ///< range of the random numbers of initial surfaces
+    float min = 0, max = 0;  ///< range of the random numbers of initial surfaces
     bool is_fitted(OpenPbrSurfaceKind kind) const {
         return kind == OpenPbrSurfaceKind::openpbr ? openpbr : kind == OpenPbrSurfaceKind::gltf ? gltf : principled;
     }
@@ -54,15 +54,15 @@ const OpenPbrParameter& parameter_of(const FittedParameter& row) {
 
 using OpenPbrVariable = NumberVariable<OpenPbrModel>;
 using OpenPbrVariables = NumberVariables<OpenPbrModel>;
-/// `least_roughness` is the least α of lobes, the square of a surface's roughness.
-std::vector<OpenPbrVariable> make_variables(OpenPbrSurfaceKind kind, double least_roughness) {
+/// `min_roughness` is the least α of lobes, the square of a surface's roughness.
+std::vector<OpenPbrVariable> make_variables(OpenPbrSurfaceKind kind, double min_roughness) {
     std::vector<OpenPbrVariable> all;
     for (const FittedParameter& row : k_fitted_parameters) {
         if (!row.is_fitted(kind)) continue;
         const OpenPbrParameter& parameter = parameter_of(row);
         const bool is_lobe = row.name == "specular_roughness" || row.name == "coat_roughness";
-        const float least = is_lobe ? std::min(float(std::sqrt(least_roughness)), parameter.most / 2) : parameter.least;
-        for (int c = 0; c < parameter.count(); ++c) all.push_back({&parameter, c, std::max(parameter.least, least)});
+        const float min = is_lobe ? std::min(float(std::sqrt(min_roughness)), parameter.max / 2) : parameter.min;
+        for (int c = 0; c < parameter.count(); ++c) all.push_back({&parameter, c, std::max(parameter.min, min)});
     }
     return all;
 }
@@ -122,11 +122,11 @@ std::vector<OpenPbrCandidate> initial_surfaces(const Observations& observations,
                 start.fuzz_color = colour;
             }
     std::mt19937_64 random(k_surface_seed);
-    const auto uniform_in = [&](float least, float most) { return least + (most - least) * float(uniform(random)); };
+    const auto uniform_in = [&](float min, float max) { return min + (max - min) * float(uniform(random)); };
     const auto draw = [&](OpenPbrModel& start, std::span<const FittedParameter> rows) {
         for (const FittedParameter& row : rows)
-            for (int c = 0; row.most > 0 && c < parameter_of(row).count(); ++c)
-                number(start, parameter_of(row), c) = uniform_in(row.least, row.most);
+            for (int c = 0; row.max > 0 && c < parameter_of(row).count(); ++c)
+                number(start, parameter_of(row), c) = uniform_in(row.min, row.max);
     };
     for (int i = 0; i < k_random_surfaces; ++i) {
         OpenPbrModel& start = starts.emplace_back().model;
@@ -156,11 +156,11 @@ std::vector<OpenPbrCandidate> add_films(std::span<const OpenPbrCandidate> best) 
 constexpr std::array<SurfaceRound, 4> k_openpbr_rounds{{{4096, 10, 0}, {64, 10, 10}, {16, 5, 15}, {6, 2, 20}}};
 constexpr std::array<SurfaceRound, 3> k_film_rounds{{{64, 10, 10}, {8, 5, 15}, {3, 2, 20}}};
 constexpr SurfaceRound k_last_openpbr_round{2, 1, 40};
-constexpr int k_reweighting_rounds = 4;       ///< rounds with weights adapted to errors, if no pictures are observed
-constexpr double k_most_weight_change = 100;  ///< the largest factor by which weights adapt
-constexpr int k_pruning_steps = 10;           ///< steps with which the surface adapts to the loss of a part
-constexpr double k_least_part_gain = 0.01;    ///< a part is kept if it lowers the loss by a larger share
-constexpr double k_invisible_loss = 0.01;     ///< no part is kept if the loss of pixels is below this (ΔE_ITP 0.1)
+constexpr int k_reweighting_rounds = 4;      ///< rounds with weights adapted to errors, if no pictures are observed
+constexpr double k_max_weight_change = 100;  ///< the largest factor by which weights adapt
+constexpr int k_pruning_steps = 10;          ///< steps with which the surface adapts to the loss of a part
+constexpr double k_min_part_gain = 0.01;     ///< a part is kept if it lowers the loss by a larger share
+constexpr double k_invisible_loss = 0.01;    ///< no part is kept if the loss of pixels is below this (ΔE_ITP 0.1)
 
 /// Variables without the variables of the named parameters.
 std::vector<OpenPbrVariable> without(std::vector<OpenPbrVariable> variables, std::span<const std::string_view> names) {
@@ -200,8 +200,8 @@ struct OpenPbrSolution {
     OpenPbrCandidate best;
     std::vector<OpenPbrVariable> variables;
 };
-/// Removes the parts without which the surface, once adapted, has at most 1.01 times its loss, or at most `most_loss`.
-void prune_parts(OpenPbrSolution& solution, const SurfaceData& data, const OpenPbrModel& defaults, double most_loss) {
+/// Removes the parts without which the surface, once adapted, has at most 1.01 times its loss, or at most `max_loss`.
+void prune_parts(OpenPbrSolution& solution, const SurfaceData& data, const OpenPbrModel& defaults, double max_loss) {
     for (const OpenPbrPart& part : openpbr_parts(defaults)) {
         OpenPbrModel pruned = solution.best.model;
         for (const OpenPbrParameter& parameter : k_openpbr_parameters)
@@ -213,7 +213,7 @@ void prune_parts(OpenPbrSolution& solution, const SurfaceData& data, const OpenP
         Eigen::VectorXd x = problem.x_of(pruned);
         const double loss =
             levenberg_marquardt(problem, x, {.max_iterations = k_pruning_steps, .adapts_to_bounds = true}).loss;
-        if (loss > std::max((1 + k_least_part_gain) * solution.best.loss, most_loss)) continue;
+        if (loss > std::max((1 + k_min_part_gain) * solution.best.loss, max_loss)) continue;
         solution = {{problem.model(x), loss}, variables};
     }
 }
@@ -228,7 +228,7 @@ class OpenPbrSearch {
           conditions_(conditions),
           progress_(progress),
           defaults_(default_surface(request.surface)),
-          all_(make_variables(request.surface, observations.least_roughness)) {
+          all_(make_variables(request.surface, observations.min_roughness)) {
         if (conditions.is_isotropic) all_ = without(all_, names_of(k_anisotropy_rows));
         if (observations.is_grey()) {  // a film is coloured
             all_ = without(all_, names_of(k_film_rows));
@@ -253,7 +253,7 @@ class OpenPbrSearch {
         const bool adapts_weights = observations_.views.empty() && traits(observations_.objective).response;
         for (int i = 0; i < k_reweighting_rounds && adapts_weights; ++i) {
             weighed_.weight = observations_.weight;
-            weigh_large_errors(weighed_, evaluator(candidates[0].model), k_most_weight_change);
+            weigh_large_errors(weighed_, evaluator(candidates[0].model), k_max_weight_change);
             if (const auto done = search(candidates, {&k_last_openpbr_round, 1}); !done) return done.error();
         }
         OpenPbrSolution solution{candidates[0], parameters_of(candidates[0].model)};
@@ -274,7 +274,8 @@ class OpenPbrSearch {
         };
         for (const SurfaceRound& round : rounds) {
             if (!progress_.report("searching parameters", done_)) return cancelled_error("fit");
-            lower(candidates, round, SurfaceData(weighed_, round.n), variables_of, conditions_.threads);
+            refine_candidates(candidates, round, SurfaceData(weighed_, round.subsampling), variables_of,
+                              conditions_.threads);
             done_ += 0.9 / double(k_openpbr_rounds.size() + k_film_rounds.size() + k_reweighting_rounds);
         }
         return Done{};

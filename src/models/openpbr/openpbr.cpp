@@ -62,7 +62,7 @@ std::string Kind<OpenPbrModel>::formula_text(const OpenPbrModel& model, const Nu
     const std::string r = number(base.x, "", 0), g = number(base.y, "", 1), b = number(base.z, "", 2);
     text += fmt::format("    layers.base_color = Vec3({}, {}, {});\n", r, g, b);
     for (const OpenPbrParameter& row : std::span(k_openpbr_parameters).subspan(2, 14))
-        text += fmt::format("    layers.{} = {};\n", row.name, text_of(model, row, number));
+        text += fmt::format("    layers.{} = {};\n", row.name, number_text(model, row, number));
 
     const std::string directions = model.is_exchanged ? "wv, wl" : "wl, wv";
     const bool is_anisotropic = model.specular_roughness_anisotropy > 0;

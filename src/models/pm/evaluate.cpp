@@ -94,7 +94,7 @@ void evaluate_sized(const PmLanes& model, const Vec3f* wl, const Vec3f* wv, Rgb*
 
 /// Calls choose.operator()<N, axial>() for the model's N and kind.
 template <int N = 1, typename Choose> auto for_size_of(const PmLanes& model, const Choose& choose) {
-    if constexpr (N < k_most_variates)
+    if constexpr (N < k_max_variates)
         if (model.variates() > N) return for_size_of<N + 1>(model, choose);
     if constexpr (PmLanes::padded_variates(N, false) == N)
         if (!model.axial()) return choose.template operator()<N, false>();
@@ -228,12 +228,12 @@ void value_sized(const void* model, const Vec3f& l, const Vec3f& v, float* f) {
     Vec3<Group> sum(Group(0.0), Group(0.0), Group(0.0));
     for (int j = 0; j * pm.lanes < numbers.lobes(); ++j) {
         // The features take longer than the variates.
-        const Group of_features = Formula::pm_with_features(pm, j, Group(0.0), further);
+        const Group feature_sum = Formula::pm_with_features(pm, j, Group(0.0), further);
         const auto power_of = [&](const auto& side) HWY_ATTR {
             Group exponent = pm.log2_scale(j);
             for (int n = 0; n < N; ++n)
                 exponent = Formula::pm_with_variate(pm, j, n, exponent, side.squared_distance(pm, j, n));
-            return Formula::pm_power(exponent + of_features);
+            return Formula::pm_power(exponent + feature_sum);
         };
         Group power = power_of(variates);
         if constexpr (is_reciprocal(form)) power = Group(0.5) * (power + power_of(exchanged));
@@ -268,7 +268,7 @@ PmLanes::PmLanes(const PmModel& model)
       variates_(padded_variates(model.variates, model.axial)),
       rows_(exponent(axial_, variates_, features(form_))),
       numbers_(std::size_t(k_first + (lobes_ + k_lanes - 1) / k_lanes * rows_)) {
-    assert(1 <= lobes_ && lobes_ <= k_most_lobes && 1 <= model.variates && model.variates <= k_most_variates);
+    assert(1 <= lobes_ && lobes_ <= k_max_lobes && 1 <= model.variates && model.variates <= k_max_variates);
     const StandardArithmetic mode;
     const auto N = std::size_t(model.variates), F = std::size_t(features(form_));
     for (std::size_t n = 0; n < k_lanes; ++n) {

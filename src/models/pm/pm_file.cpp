@@ -71,8 +71,8 @@ Result<PmModel> decode(const std::map<std::string, Tensor16>& tensors, PmForm fo
         return Error{file_name, std::nullopt, std::move(what), std::move(expected), std::move(found)};
     };
     const auto shape =
-        shape_of_bandwidths(tensors, {0, 0}, {k_most_lobes, k_most_variates},
-                            fmt::format("[J, N] up to [{}, {}]", k_most_lobes, k_most_variates), file_name);
+        shape_of_bandwidths(tensors, {0, 0}, {k_max_lobes, k_max_variates},
+                            fmt::format("[J, N] up to [{}, {}]", k_max_lobes, k_max_variates), file_name);
     if (!shape) return shape.error();
     const std::uint64_t J = (*shape)[0], N = (*shape)[1], C = wavelength.empty() ? 3 : wavelength.size();
     const auto F = std::uint64_t(features(form));
@@ -110,7 +110,7 @@ Result<PmModel> decode(const std::map<std::string, Tensor16>& tensors, PmForm fo
     }
     for (std::size_t i = 0; i < J * F; ++i) {
         const float kappa = number("exponent", i);
-        if (kappa < 0 && k_terms[i % F].least == 0)
+        if (kappa < 0 && k_terms[i % F].min == 0)
             return fail("tensor 'exponent'", "numbers of at least 0", fmt::format("{}", kappa));
         model.exponent.push_back(kappa);
     }
@@ -131,14 +131,14 @@ std::vector<std::string_view> stored_forms() {
 /// Parses the wavelengths in the metadata of a file, separated by blanks.
 Result<std::vector<float>> wavelengths_of(std::string_view text, const std::string& file_name) {
     std::vector<float> wavelengths;
-    for (std::string_view remaining = text; wavelengths.size() <= k_most_wavelengths;) {
+    for (std::string_view remaining = text; wavelengths.size() <= k_max_wavelengths;) {
         const std::string_view word = next_word(remaining);
         if (word.empty()) break;
         wavelengths.push_back(to_number<float>(word).value_or(0));
     }
-    if (are_wavelengths(wavelengths) && wavelengths.size() <= k_most_wavelengths) return wavelengths;
+    if (are_wavelengths(wavelengths) && wavelengths.size() <= k_max_wavelengths) return wavelengths;
     return Error{file_name, 8, "metadata 'wavelengths'",
-                 fmt::format("1 to {} increasing ones in nm, from 100 up", k_most_wavelengths), quoted(text)};
+                 fmt::format("1 to {} increasing ones in nm, from 100 up", k_max_wavelengths), quoted(text)};
 }
 
 }  // namespace

@@ -21,8 +21,8 @@ bool has_log_scale(const PmModel& model);
 /// Size of the stored numbers of any model of that kind, two bytes each.
 constexpr std::size_t payload_bytes(PmForm form, bool axial, bool log_scale, int lobes, int variates,
                                     int channels = 3) {
-    const int of_lobe = channels + (axial ? 1 : 3) * variates + int(log_scale) + features(form);
-    return 2 * std::size_t(lobes * of_lobe + 2 * variates);
+    const int lobe_numbers = channels + (axial ? 1 : 3) * variates + int(log_scale) + features(form);
+    return 2 * std::size_t(lobes * lobe_numbers + 2 * variates);
 }
 
 SRBF_END

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "base/half.h"
-#include "brdf/rows.h"
+#include "brdf/info_rows.h"
 #include "models/kind/parameters.h"
 #include "models/pm/pm_functions.h"
 #include "models/pm/pm_kind.h"
@@ -150,7 +150,7 @@ PmModel Kind<PmModel>::from_parameters(ParameterReader& reader) {
     if (is_spectral)
         model.spectrum = std::move(coefficient);
     else
-        model.coefficient = rows_of<Rgb>(coefficient);
+        model.coefficient = split_rows<Rgb>(coefficient);
     return model;
 }
 

@@ -19,9 +19,9 @@ namespace SRBF_NAMESPACE {
 namespace HWY_NAMESPACE {
 
 void evaluate_run(const SuModel& model, const ViewNeighbours& neighbours, const Vec3f* w, Rgb* f, std::size_t count) {
-    constexpr std::size_t most = HWY_MAX_BYTES / sizeof(float);
+    constexpr std::size_t max = HWY_MAX_BYTES / sizeof(float);
     using Formula = Formulas<Batch, PmModel>;
-    HWY_ALIGN float x[most] = {}, y[most] = {}, z[most] = {};
+    HWY_ALIGN float x[max] = {}, y[max] = {}, z[max] = {};
     for (std::size_t i = 0; i < count; i += Batch::size()) {
         const std::size_t size = count - i < Batch::size() ? count - i : Batch::size();
         for (std::size_t k = 0; k < size; ++k) x[k] = w[i + k].x, y[k] = w[i + k].y, z[k] = w[i + k].z;

@@ -20,11 +20,11 @@ constexpr double k_much_worse = 4, k_exact_loss = 1e-9;
 Result<Done> validate(const RawMatrix& matrix, const SuFitOptions& options, double theta_max) {
     const auto in_range = require_range<double>;
     const std::size_t n = matrix.direction.size();
-    for (const auto& result : {in_range("fit", "number of lobes", options.lobes, 1, k_most_view_lobes),
-                               in_range("fit", "number of neighbours", options.neighbours, 1, k_most_neighbours),
+    for (const auto& result : {in_range("fit", "number of lobes", options.lobes, 1, k_max_view_lobes),
+                               in_range("fit", "number of neighbours", options.neighbours, 1, k_max_neighbours),
                                in_range("fit", "number of threads", options.threads, 0, 1024),
                                in_range("fit", "max_theta", theta_max / k_degree, 1 - 1e-9, 89.9 + 1e-9),
-                               in_range("fit", "number of directions", double(n), k_least_views, k_most_views)})
+                               in_range("fit", "number of directions", double(n), k_min_views, k_max_views)})
         if (!result) return result.error();
     if (matrix.f.size() != n * n || matrix.between.size() % n != 0)
         return Error{"fit", {}, "matrix", "values of all pairs of directions", "another number"};
@@ -46,7 +46,7 @@ struct ViewByViewFit {
 
     /// Calls body(problem, chain) for each chain of views.
     template <typename Body> void for_each_chain(std::string_view stage, const Body& body) {
-        parallel_for_parts(views.count(), k_chain, [&](std::size_t begin, std::size_t end) {
+        parallel_for_chunks(views.count(), k_chain, [&](std::size_t begin, std::size_t end) {
             if (reporter.cancelled()) return;
             ViewProblem problem(options.lobes);
             body(problem, Chain{begin, end});

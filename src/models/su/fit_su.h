@@ -9,11 +9,11 @@
 namespace SRBF_NAMESPACE {
 
 struct SuFitOptions {
-    int lobes = 8;  ///< J, 1..k_most_view_lobes
+    int lobes = 8;  ///< J, 1..k_max_view_lobes
     Objective objective = k_default_objective;
     double max_theta = 0;  ///< 1° to 89.9° [rad]; 0 for the objective's default. Pairs beyond it have small weights
     SuInterpolation interpolation = SuInterpolation::rotated;  ///< stored in the model; the fit does not depend on it
-    int neighbours = 3;                                        ///< K of plain interpolation, 1..k_most_neighbours
+    int neighbours = 3;                                        ///< K of plain interpolation, 1..k_max_neighbours
     std::uint64_t seed = 0;                                    ///< seed of the random numbers
     int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
 };

@@ -14,7 +14,7 @@ constexpr double k_decrease_tolerance = 1e-4;
 /// The number of times that a fit from scratch replaces its least useful lobe.
 constexpr int k_view_perturbations = 8;
 /// The bandwidth of a random lobe is log-uniform from 0.3 to 3e4.
-constexpr double k_least_random_bandwidth = 0.3, k_random_bandwidths = 1e5;
+constexpr double k_min_random_bandwidth = 0.3, k_random_bandwidths = 1e5;
 /// Bandwidths of initial lobes at the brightest direction: 0.5, 0.5 k, 0.5 k², …, up to 5e4, for each factor k. The
 /// narrowest of five lobes have widths of 19°, 3.6° and 0.3°.
 constexpr double k_bandwidth_factors[] = {3, 6, 30}, k_widest = 0.5, k_narrowest = 5e4;
@@ -36,7 +36,7 @@ struct WeightedDirections {
 };
 WeightedDirections weighted_directions(const ViewRows& rows) {
     WeightedDirections points;
-    double most = -1;
+    double max = -1;
     for (std::size_t i = 0; i < rows.root_weight.size(); ++i) {
         const double root = double(rows.root_weight[i]);
         if (!(root > 0)) continue;
@@ -44,7 +44,7 @@ WeightedDirections weighted_directions(const ViewRows& rows) {
         for (const auto& y : rows.y) value += double(y[i]) / root;
         points.direction.push_back({rows.directions.w[0][i], rows.directions.w[1][i], rows.directions.w[2][i]});
         points.weight.push_back(root * root * value);
-        if (value > most) most = value, points.brightest = to_double(points.direction.back());
+        if (value > max) max = value, points.brightest = to_double(points.direction.back());
     }
     return points;
 }
@@ -62,11 +62,11 @@ std::vector<std::vector<ViewLobe>> initial_lobes(const WeightedDirections& point
     std::vector<double> squared_distance(points.weight.size(), 4.0);
     while (apart.size() < J) {
         std::size_t next = 0;
-        double most = -1;
+        double max = -1;
         for (std::size_t i = 0; i < points.weight.size(); ++i) {
             const Vec3d d = to_double(points.direction[i]) - apart.back().centre;
             squared_distance[i] = std::min(squared_distance[i], dot(d, d));
-            if (points.weight[i] * squared_distance[i] > most) most = points.weight[i] * squared_distance[i], next = i;
+            if (points.weight[i] * squared_distance[i] > max) max = points.weight[i] * squared_distance[i], next = i;
         }
         apart.push_back({to_double(points.direction[next]), k_bandwidth_apart});
     }
@@ -91,10 +91,10 @@ ViewFit fit_view_from_scratch(ViewProblem& problem, const ViewRows& rows, std::s
         problem.loss(problem.start(rows, best.lobes));
         const std::vector<double> cost = problem.cost_of_dropping();
         std::vector<ViewLobe> next = best.lobes;
-        ViewLobe& least = next[std::size_t(std::min_element(cost.begin(), cost.end()) - cost.begin())];
+        ViewLobe& cheapest = next[std::size_t(std::min_element(cost.begin(), cost.end()) - cost.begin())];
         const double u1 = uniform(random), u2 = uniform(random);
-        least = {to_double(points.direction[std::size_t(u1 * double(points.direction.size()))]),
-                 k_least_random_bandwidth * elementary::pow(k_random_bandwidths, u2)};
+        cheapest = {to_double(points.direction[std::size_t(u1 * double(points.direction.size()))]),
+                    k_min_random_bandwidth * elementary::pow(k_random_bandwidths, u2)};
         ViewFit fit = optimise(problem, rows, next, k_steps_after_perturbation);
         if (fit.loss < best.loss) best = std::move(fit);
     }

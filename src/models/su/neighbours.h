@@ -7,7 +7,7 @@ namespace SRBF_NAMESPACE {
 
 /// Sampled views with weights that sum to 1.
 struct ViewNeighbours {
-    std::array<Kernel<float>::SuNeighbour, k_most_neighbours> view{};
+    std::array<Kernel<float>::SuNeighbour, k_max_neighbours> view{};
     int count = 0;
 };
 ViewNeighbours find_neighbours(const SuModel& model, Vec3f w);

@@ -13,11 +13,11 @@ namespace {
 
 /// Bounds a lobe's maximum over the hemisphere times the cosine there, relative to the largest such product that was
 /// measured in neighbouring views, so that a lobe between samples cannot diverge. The bound is lower beyond θmax.
-constexpr double k_most_peak = 2, k_most_peak_beyond = 1;
+constexpr double k_max_peak = 2, k_max_peak_beyond = 1;
 /// Number of neighbouring views on either side: of 1536 views, their cosines differ by less than 1/64.
 constexpr std::size_t k_peak_views = 24;
 /// Lower bound on the cosine by which a bound is divided, relative to the cosine of θmax.
-constexpr double k_least_view_cosine = 0.5;
+constexpr double k_min_view_cosine = 0.5;
 /// The typical value is computed from every eighth view; of 1536 views, their cosines are 1/192 apart.
 constexpr std::size_t k_typical_views = 8;
 /// The slope of the light beside the view, 27° above the horizon.
@@ -36,7 +36,7 @@ SampledViews::SampledViews(const RawMatrix& matrix, Objective objective, double 
     find_typical();
     find_largest();
     rows_.resize(count());
-    parallel_for(count(), [&](std::size_t view) { rows_[view] = rows_of(view); });
+    parallel_for(count(), [&](std::size_t view) { rows_[view] = make_rows(view); });
 }
 
 void SampledViews::find_typical() {
@@ -130,7 +130,7 @@ SampledViews::Weights SampledViews::weights_of(const Table& table) const {
     return weights;
 }
 
-ViewRows SampledViews::rows_of(std::size_t view) const {
+ViewRows SampledViews::make_rows(std::size_t view) const {
     const Table table = table_of(view);
     const Weights weights = weights_of(table);
     ViewRows rows;
@@ -145,10 +145,10 @@ ViewRows SampledViews::rows_of(std::size_t view) const {
         rows.root_weight[i] = float(root);
         for (int c = 0; c < 3; ++c) rows.y[std::size_t(c)][i] = float(root / rows.scale * double(table.f[i][c]));
     }
-    if (traits(objective_).of_pictures) add_radiances(rows, table);
-    rows.least_cosine = k_least_view_cosine * cos_max_;
-    const double most = within(direction(view)) ? k_most_peak : k_most_peak_beyond;
-    for (int c = 0; c < 3; ++c) rows.largest[std::size_t(c)] = most * double(largest_[view][c]) / rows.scale;
+    if (traits(objective_).uses_pictures) add_radiances(rows, table);
+    rows.min_cosine = k_min_view_cosine * cos_max_;
+    const double max = within(direction(view)) ? k_max_peak : k_max_peak_beyond;
+    for (int c = 0; c < 3; ++c) rows.largest[std::size_t(c)] = max * double(largest_[view][c]) / rows.scale;
     return rows;
 }
 

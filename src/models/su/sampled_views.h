@@ -53,7 +53,7 @@ class SampledViews {
     };
     Weights weights_of(const Table& table) const;
 
-    ViewRows rows_of(std::size_t view) const;
+    ViewRows make_rows(std::size_t view) const;
     /// Adds the radiances that a view reflects under four lights: a uniform one, and broad ones around the mirror
     /// direction, beside the view, and around it.
     void add_radiances(ViewRows& rows, const Table& table) const;

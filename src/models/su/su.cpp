@@ -50,7 +50,7 @@ IndexTexture index_texture(const SuModel& model, DirectionMap map, int size) {
     IndexTexture index{map, size > 0 ? size : default_size(map), {}};
     index.texels.resize(texels(map, index.size));
     constexpr std::size_t block = 1024;
-    parallel_for_parts(index.texels.size(), block, 0, [&](std::size_t begin, std::size_t end) {
+    parallel_for_chunks(index.texels.size(), block, 0, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
             index.texels[i] = nearest_views(model, texel_direction(map, index.size, i));
     });

@@ -102,8 +102,8 @@ Result<SuModel> Kind<SuModel>::read(Safetensors& content, const std::string& fil
         return Error{file_name, std::nullopt, std::move(what), std::move(expected), std::move(found)};
     };
     const auto extent = shape_of_bandwidths(
-        tensors, {k_least_views, 0}, {k_most_views, k_most_view_lobes},
-        fmt::format("[n, J] from [{}, 1] to [{}, {}]", k_least_views, k_most_views, k_most_view_lobes), file_name);
+        tensors, {k_min_views, 0}, {k_max_views, k_max_view_lobes},
+        fmt::format("[n, J] from [{}, 1] to [{}, {}]", k_min_views, k_max_views, k_max_view_lobes), file_name);
     if (!extent) return extent.error();
     const std::uint64_t n = (*extent)[0], J = (*extent)[1];
 

@@ -35,7 +35,7 @@ std::optional<DirectionMap> map_named(std::string_view text);
 std::vector<Rgb> view_integrals(const SuModel& model);
 /// A number of each sampled direction, interpolated as ρ is: of `view_integrals` the integral for a view wv between
 /// them.
-Rgb between_views(const SuModel& model, std::span<const Rgb> of_views, Vec3f wv);
+Rgb between_views(const SuModel& model, std::span<const Rgb> view_values, Vec3f wv);
 
 /// The eight sampled views nearest to `w`.
 NearestViews nearest_views(const SuModel& model, Vec3f w);

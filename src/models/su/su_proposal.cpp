@@ -15,10 +15,10 @@ using SuKernel = Kernel<float>;
 
 /// The share s of a view's samples that follow the cosine is v₀ / (v₀ + v), within bounds. v is the relative variance
 /// of samples by the cosine alone; for v = v₀ the share is half.
-constexpr float k_least_cosine_share = 0.1f, k_most_cosine_share = 0.99f, k_half_share_variance = 0.2f;
+constexpr float k_min_cosine_share = 0.1f, k_max_cosine_share = 0.99f, k_half_share_variance = 0.2f;
 constexpr int k_variance_samples = 128;  ///< samples that estimate this variance
 /// Lower bound on the reflectance of a lobe, so that the shares of black lobes are defined.
-constexpr float k_least_integral = 1e-20f;
+constexpr float k_min_integral = 1e-20f;
 
 /// The largest float below 1.
 constexpr float k_below_one = 0x1.fffffep-1f;
@@ -94,17 +94,17 @@ ViewProposal propose(const SuModel& model) {
         const auto share = std::span(proposal.share).subspan(view * (J + 1), J + 1);
         for (std::size_t j = 0; j < J; ++j)
             share[j + 1] =
-                std::max(integral[view * J + j] * float(luminance(model.coefficient[view * J + j])), k_least_integral);
+                std::max(integral[view * J + j] * float(luminance(model.coefficient[view * J + j])), k_min_integral);
         const auto set_cosine_share = [&](float cosine_share) {
             share[0] = 0;
             const float sum = std::accumulate(share.begin(), share.end(), 0.f);
             for (float& lobe_share : share) lobe_share *= (1 - cosine_share) / sum;
             share[0] = cosine_share;
         };
-        set_cosine_share(k_least_cosine_share);
+        set_cosine_share(k_min_cosine_share);
         const float variance = cosine_variance(proposal, view);
-        set_cosine_share(std::clamp(k_half_share_variance / (k_half_share_variance + variance), k_least_cosine_share,
-                                    k_most_cosine_share));
+        set_cosine_share(std::clamp(k_half_share_variance / (k_half_share_variance + variance), k_min_cosine_share,
+                                    k_max_cosine_share));
     }
     return proposal;
 }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "brdf/rows.h"
+#include "brdf/info_rows.h"
 #include "models/kind/parameters.h"
 #include "models/su/su_functions.h"
 #include "models/su/su_kind.h"
@@ -47,7 +47,7 @@ void Kind<SuModel>::add_rows(std::string& text, const SuModel& model) {
 }
 
 Parameters Kind<SuModel>::members(const SuModel& model) {
-    Parameters all{{"form", std::string("source")},
+    Parameters all{{"form", std::string(k_gaussian_in_files)},
                    {"lobes", model.lobes},
                    {"variates", 1},
                    {"axial", false},
@@ -89,11 +89,11 @@ SuModel Kind<SuModel>::from_parameters(ParameterReader& reader) {
         reader.refuse("direction", "the Fibonacci set of the hemisphere", "");
     model.interpolation = *interpolation_named(reader.word("interpolation", {"rotated", "plain"}, "rotated"));
     model.discretise = *discretise_named(reader.word("discretise", {"view", "light"}, "view"));
-    model.neighbours = reader.whole("neighbours", 1, k_most_neighbours, 3);
+    model.neighbours = reader.whole("neighbours", 1, k_max_neighbours, 3);
     if (!reader.has("index")) return model;
     const auto map = map_named(reader.word("index", {"cube", "parabolic"}, "cube"));
     const int size = reader.whole("index_size", 0, k_largest_texture, 0);
-    if (!reader.error() && n >= k_least_views) model.index = index_texture(model, *map, size);
+    if (!reader.error() && n >= k_min_views) model.index = index_texture(model, *map, size);
     return model;
 }
 

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "base/aligned.h"
-#include "models/pm/solve/columns.h"
+#include "models/pm/solve/simd_columns.h"
 #include "srbf/vec.h"
 
 namespace SRBF_NAMESPACE {

@@ -13,11 +13,11 @@ namespace {
 /// A lobe may peak between the rows. If less than a quarter of its peak is on them, its bound is lowered accordingly.
 constexpr double k_hidden = 4;
 /// Bound on the shift of a centre along a tangent, which corresponds to 45°.
-constexpr double k_most_shift = 1;
+constexpr double k_max_shift = 1;
 /// Bounds on the step of a centre, in radians and in widths 1/√λ.
 constexpr double k_longest_shift = 0.5, k_widths = 1.5;
 /// Exponents up to this have a finite exponential in double.
-constexpr double k_most_double_exponent = 700;
+constexpr double k_max_double_exponent = 700;
 
 }  // namespace
 
@@ -35,7 +35,7 @@ Eigen::VectorXd ViewProblem::start(const ViewRows& view, std::span<const ViewLob
         frame_[std::size_t(j)] = {lobe.centre,
                                   {Kernel<double>::from_frame(lobe.centre, 1.0, 0.0, 0.0),
                                    Kernel<double>::from_frame(lobe.centre, 0.0, 1.0, 0.0)}};
-        x[k_variables * j + 2] = elementary::log(std::clamp(lobe.bandwidth, k_least_bandwidth, double(k_half_max)));
+        x[k_variables * j + 2] = elementary::log(std::clamp(lobe.bandwidth, k_min_bandwidth, double(k_half_max)));
     }
     return x;
 }
@@ -67,10 +67,10 @@ Eigen::VectorXd ViewProblem::for_each_lobe(double shift, double log_bandwidth) c
     return Eigen::Vector3d(shift, shift, log_bandwidth).replicate(lobes_, 1);
 }
 Eigen::VectorXd ViewProblem::lower(const Eigen::VectorXd&) const {
-    return for_each_lobe(-k_most_shift, elementary::log(k_least_bandwidth));
+    return for_each_lobe(-k_max_shift, elementary::log(k_min_bandwidth));
 }
 Eigen::VectorXd ViewProblem::upper(const Eigen::VectorXd&) const {
-    return for_each_lobe(k_most_shift, elementary::log(double(k_half_max)));
+    return for_each_lobe(k_max_shift, elementary::log(double(k_half_max)));
 }
 Eigen::VectorXd ViewProblem::longest_step(const Eigen::VectorXd& x) const {
     Eigen::VectorXd longest = Eigen::VectorXd::Ones(k_variables * lobes_);
@@ -102,14 +102,14 @@ template <typename AddColumns> Eigen::MatrixXd ViewProblem::gram(std::size_t cou
 double ViewProblem::loss(const Eigen::VectorXd& x) {
     for (int j = 0; j < lobes_; ++j) {
         const MovingLobe lobe = moving_lobe(x, j);
-        float most = -std::numeric_limits<float>::max();
+        float max = -std::numeric_limits<float>::max();
         for (std::size_t block = 0; block < blocks(); ++block)
-            most = std::max(most, exponents(view_->directions, block, lobe, &view_->root_weight[block * k_block],
-                                            exponent(block, j)));
-        log_scale_[std::size_t(j)] = double(most);
-        coefficients_.limit.row(j) = coefficient_limits(lobe, double(most));
+            max = std::max(max, exponents(view_->directions, block, lobe, &view_->root_weight[block * k_block],
+                                          exponent(block, j)));
+        log_scale_[std::size_t(j)] = double(max);
+        coefficients_.limit.row(j) = coefficient_limits(lobe, double(max));
         for (std::size_t block = 0; block < blocks(); ++block)
-            exponentiate(exponent(block, j), &view_->root_weight[block * k_block], most, value(block, j));
+            exponentiate(exponent(block, j), &view_->root_weight[block * k_block], max, value(block, j));
     }
     const Eigen::MatrixXd G = gram(std::size_t(lobes_ + 3), [&](std::size_t block, std::vector<const float*>& columns) {
         for (int j = 0; j < lobes_; ++j) columns.push_back(value(block, j));
@@ -119,16 +119,16 @@ double ViewProblem::loss(const Eigen::VectorXd& x) {
     return loss_with_residuals();
 }
 
-Eigen::RowVector3d ViewProblem::coefficient_limits(const MovingLobe& lobe, double most) const {
+Eigen::RowVector3d ViewProblem::coefficient_limits(const MovingLobe& lobe, double max) const {
     // The maximum of the lobe over the hemisphere; it is at the horizon if the centre is below.
     const double z = double(lobe.centre.z), lambda = double(lobe.bandwidth);
     const double log_peak = z < 0 ? lambda * (std::sqrt(std::max(0.0, 1 - z * z)) - 1) : 0;
-    const double share = elementary::exp(most - log_peak);  // the largest value on the rows, relative to that maximum
+    const double share = elementary::exp(max - log_peak);  // the largest value on the rows, relative to that maximum
     Eigen::RowVector3d limit;
     for (int c = 0; c < 3; ++c) {
         const double peak_limit =
-            view_->largest[std::size_t(c)] / std::max(z, view_->least_cosine) * share * std::min(1.0, k_hidden * share);
-        const double half_limit = double(k_half_max) / view_->scale * elementary::exp(most);
+            view_->largest[std::size_t(c)] / std::max(z, view_->min_cosine) * share * std::min(1.0, k_hidden * share);
+        const double half_limit = double(k_half_max) / view_->scale * elementary::exp(max);
         limit[c] = std::min(peak_limit, half_limit);
     }
     return limit;
@@ -182,7 +182,7 @@ std::vector<double> ViewProblem::cost_of_dropping() const {
 std::vector<std::array<double, 3>> ViewProblem::coefficients() const {
     std::vector<std::array<double, 3>> all(log_scale_.size());
     for (std::size_t j = 0; j < all.size(); ++j) {
-        const double at_peak = elementary::exp(std::min(-log_scale_[j], k_most_double_exponent));
+        const double at_peak = elementary::exp(std::min(-log_scale_[j], k_max_double_exponent));
         for (std::size_t c = 0; c < 3; ++c)
             all[j][c] = std::min(coefficients_.beta(Eigen::Index(j), Eigen::Index(c)) * at_peak * view_->scale,
                                  double(k_half_max));

@@ -13,7 +13,7 @@ struct ViewLobe {
     Vec3d centre;
     double bandwidth = 0;
 };
-inline constexpr double k_least_bandwidth = 1e-3;  ///< lower bound in fits: the lobe is constant within 0.2 %
+inline constexpr double k_min_bandwidth = 1e-3;  ///< lower bound in fits: the lobe is constant within 0.2 %
 
 /// The weighted measurement of one sampled view.
 struct ViewRows {
@@ -25,9 +25,9 @@ struct ViewRows {
     std::vector<Aligned<float>> lights;
     double scale = 0;  ///< 0 if there are no data
     /// Upper bound on a lobe's maximum over the hemisphere times the cosine there, divided by scale, for each channel.
-    /// Smaller cosines count as `least_cosine`.
+    /// Smaller cosines count as `min_cosine`.
     std::array<double, 3> largest{};
-    double least_cosine = 0;
+    double min_cosine = 0;
 };
 
 /// Minimises Σ w |f − Σ_j β_j G_j|² / Σ w |f|² over the rows of a view, plus the squared errors of its radiances, with
@@ -63,8 +63,8 @@ class ViewProblem {
     /// Repeats bounds for the variables of each lobe.
     Eigen::VectorXd for_each_lobe(double shift, double log_bandwidth) const;
     MovingLobe moving_lobe(const Eigen::VectorXd& x, int j) const;
-    /// Upper bounds on the coefficients of a lobe whose largest exponent on the rows is `most`.
-    Eigen::RowVector3d coefficient_limits(const MovingLobe& lobe, double most) const;
+    /// Upper bounds on the coefficients of a lobe whose largest exponent on the rows is `max`.
+    Eigen::RowVector3d coefficient_limits(const MovingLobe& lobe, double max) const;
     std::size_t blocks() const { return view_->directions.blocks; }
     // Columns of a block: exponents and values of lobe j, derivatives by variable i, residuals of channel c.
     float* exponent(std::size_t block, Eigen::Index j) { return &exponent_[offset(block, j, lobes_)]; }

@@ -66,11 +66,11 @@ struct TensorTree {
     std::vector<std::uint32_t> nodes;
     std::vector<float> leaves;
 
-    static constexpr std::uint32_t k_branch = 31, k_most_leaves = (1u << 27) - 1;
+    static constexpr std::uint32_t k_branch = 31, k_max_leaves = (1u << 27) - 1;
     static constexpr std::uint32_t branch(std::uint32_t first) { return k_branch << 27 | first; }
     static constexpr std::uint32_t grid(int level, std::uint32_t first) { return std::uint32_t(level) << 27 | first; }
     static constexpr std::uint32_t level_of(std::uint32_t node) { return node >> 27; }
-    static constexpr std::uint32_t first_of(std::uint32_t node) { return node & k_most_leaves; }
+    static constexpr std::uint32_t first_of(std::uint32_t node) { return node & k_max_leaves; }
     /// The value of the leaf at x in [0, 1)^rank. Points outside are clamped to the cube.
     float at(std::array<double, 4> x) const;
     /// The width of the smallest leaf.
@@ -98,10 +98,10 @@ Rgb signed_value(const TreeTable& table, Vec3f wl, Vec3f wv);
 /// difference, within 1 % of the root mean square.
 bool is_isotropic(const KlemsTable& table);
 bool is_isotropic(const TreeTable& table);
-/// The table as a part of a measurement (measured.h); `own_table` returns the original. Matrices are fitted by
+/// The table as a part of a measurement (measured.h); `table_as` returns the original. Matrices are fitted by
 /// `fit_patches`.
-EvaluatedTable evaluated(KlemsTable table);
-EvaluatedTable evaluated(TreeTable table);
+EvaluatedTable as_evaluated_table(KlemsTable table);
+EvaluatedTable as_evaluated_table(TreeTable table);
 
 /// Reads BSDF data in the XML of LBNL's WINDOW and of Radiance: matrices of patches in Klems' bases or in bases
 /// that the file defines, or Radiance's tensor trees. They describe reflection and transmission at front and back,

@@ -24,10 +24,10 @@ struct ExtendedLight {
     static constexpr int k_views = 32;
     struct Lobe {
         float axis;       ///< p
-        float roughness;  ///< r, from `k_least_roughness` to 1
+        float roughness;  ///< r, from `k_min_roughness` to 1
         Rgb weight;       ///< fraction of the albedo
     };
-    static constexpr float k_least_roughness = 0.05f;
+    static constexpr float k_min_roughness = 0.05f;
     static constexpr int k_levels = 6;  ///< number of levels of a filtered map
     int lobes = 0;
     std::vector<Lobe> lobe;  ///< k_views × lobes, the views from the horizon to the normal
@@ -54,9 +54,9 @@ double roughness_of_level(double level, MapLevels levels = MapLevels::root);
 /// K(r, c) [1/sr].
 float filter_kernel(float roughness, float cosine, MapLevels levels = MapLevels::root);
 
-inline constexpr int k_least_extended_lobes = 2, k_most_extended_lobes = 8;
+inline constexpr int k_min_extended_lobes = 2, k_max_extended_lobes = 8;
 struct ExtendedLightOptions {
-    int lobes = 6;          ///< including the cosine, from `k_least_extended_lobes` to `k_most_extended_lobes`
+    int lobes = 6;          ///< including the cosine, from `k_min_extended_lobes` to `k_max_extended_lobes`
     bool isotropic = true;  ///< false: lobes of the BRDF's mean over azimuths
     MapLevels levels = MapLevels::root;
     bool fixed = false;  ///< the roughness of a lobe is the same for all views

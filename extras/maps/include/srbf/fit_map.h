@@ -13,13 +13,13 @@ SRBF_BEGIN
 struct MapOptions {
     PmForm form = PmForm::extended;  ///< not reciprocal
     bool axial = true;               ///< only centres at +z or −z, sufficient for isotropic materials
-    int lobes = 16;                  ///< J, 1..k_most_map_lobes
+    int lobes = 16;                  ///< J, 1..k_max_map_lobes
     int variates = 4;                ///< N, 1..8
     double max_theta = 0;            ///< [rad]; 0: the default of objective appearance
     std::uint64_t seed = 0;
     int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
 };
-inline constexpr int k_most_map_lobes = 256;
+inline constexpr int k_max_map_lobes = 256;
 
 /// The pairs of directions at which every texel was measured: unit vectors. Those below the horizon are left out.
 struct SharedPairs {

@@ -40,8 +40,8 @@ double scatter_integral(const ScatterTable& table, const ScatterTable::Slice& sl
 /// the nodes.
 Rgb signed_value(const ScatterTable& table, Vec3f wl, Vec3f wv);
 bool is_isotropic(const ScatterTable& table);
-/// The table for `Measured::table` (measured.h); `own_table` returns the original.
-EvaluatedTable evaluated(ScatterTable table);
+/// The table for `Measured::table` (measured.h); `table_as` returns the original.
+EvaluatedTable as_evaluated_table(ScatterTable table);
 
 /// Reads Zemax' text of BSDFs: PlaneSymmetrical, Asymmetrical or Asymmetrical4D; Monochrome or XYZ; BRDF or BTDF.
 /// The stated TIS is not used.

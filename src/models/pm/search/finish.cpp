@@ -7,7 +7,7 @@
 #include "models/pm/search/fit_pm.h"
 #include "models/pm/solve/rounding.h"
 #include "observe/albedo_bound.h"
-#include "observe/bound.h"
+#include "observe/excess.h"
 #include "observe/pair_weights.h"
 #include "srbf/elementary.h"
 
@@ -33,11 +33,11 @@ Eigen::MatrixXd coefficients_in(const LobeProblem& problem, const PmModel& model
 /// `model`, a fit to the colours of these spectral observations, with a coefficient ≥ 0 for each wavelength. Lobes and
 /// colours remain: with the fundamental of a lobe's spectrum, which is its component that has a colour, only the other
 /// component, the metameric black (Cohen & Kappauf 1982), is fitted to the spectra.
-PmModel with_spectra(PmModel model, const LobeShape& shape, const Observations& observations) {
+PmModel fit_spectra(PmModel model, const LobeShape& shape, const Observations& observations) {
     // Σ |y − Σ_j E_j s_j|², where s_j are spectra of given colours and y is data, is least if each s_j is the one of
     // these colours nearest to the spectrum without that condition, whatever the products of the lobes are.
     const Lobes lobes = to_lobes(model, shape);
-    const Rows rows(observations, {.spectra = true});
+    const PackedObservations rows(observations, {.spectra = true});
     LobeProblem problem(rows, shape, true);
     problem.loss(pack(lobes));
 
@@ -67,10 +67,10 @@ PmModel with_spectra(PmModel model, const LobeShape& shape, const Observations& 
     return model;
 }
 
-/// The last steps run in batches of ten until a batch lowers the loss by less than `k_least_gain`. Most fits need
+/// The last steps run in batches of ten until a batch lowers the loss by less than `k_min_gain`. Most fits need
 /// two batches; a fit whose narrow lobes must match an albedo needs twenty.
-constexpr int k_last_steps = 10, k_most_batches = 26;
-constexpr double k_least_gain = 0.01;
+constexpr int k_last_steps = 10, k_max_batches = 26;
+constexpr double k_min_gain = 0.01;
 /// After bounds were exceeded, a few steps with larger weights move lobes below them.
 constexpr int k_bound_rounds = 12, k_bound_steps = 4;
 
@@ -79,13 +79,13 @@ LevenbergMarquardtSummary take_steps(LobeProblem& problem, Eigen::VectorXd& x, i
     return levenberg_marquardt(problem, x, {.max_iterations = reporter.cancelled() ? 0 : count});
 }
 
-/// Levenberg-Marquardt from x, until a batch of steps lowers the loss by less than `k_least_gain`.
+/// Levenberg-Marquardt from x, until a batch of steps lowers the loss by less than `k_min_gain`.
 LevenbergMarquardtSummary take_last_steps(LobeProblem& problem, Eigen::VectorXd& x, const Reporter& reporter) {
     LevenbergMarquardtSummary summary;
     double previous = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < k_most_batches; ++i) {
+    for (int i = 0; i < k_max_batches; ++i) {
         summary = take_steps(problem, x, k_last_steps, reporter);
-        const bool pays = summary.loss <= (1 - k_least_gain) * previous;
+        const bool pays = summary.loss <= (1 - k_min_gain) * previous;
         if (!pays || summary.stop != Stop::iterations || reporter.cancelled()) break;
         previous = summary.loss;
     }
@@ -102,8 +102,8 @@ std::optional<AlbedoBound> albedo_bound(const PmFitOptions& options) {
 
 /// Runs a round: `steps(problem, x)`, then rounding. `lobes` receives the lobes after the steps.
 template <typename Steps>
-PmFit fit_round(const Observations& observations, Lobes& lobes, const RowOptions& terms, const Steps& steps) {
-    const Rows rows(observations, terms);
+PmFit fit_round(const Observations& observations, Lobes& lobes, const PackingOptions& terms, const Steps& steps) {
+    const PackedObservations rows(observations, terms);
     LobeProblem problem(rows, lobes.shape, true);
     Eigen::VectorXd x = pack(lobes);
     const LevenbergMarquardtSummary summary = steps(problem, x);
@@ -122,9 +122,9 @@ PmFit fit_round(const Observations& observations, Lobes& lobes, const RowOptions
 }
 
 /// `fit`, with lobes lowered to the limit on albedos if steps did not suffice.
-PmFit lowered_to(const AlbedoBound& bound, PmFit fit, const Observations& observations) {
-    fit.unrounded = lowered_to(bound, std::move(fit.unrounded));
-    PmModel within = lowered_to(bound, fit.model);
+PmFit limit_albedo(const AlbedoBound& bound, PmFit fit, const Observations& observations) {
+    fit.unrounded = limit_albedo(bound, std::move(fit.unrounded));
+    PmModel within = limit_albedo(bound, fit.model);
     if (within.coefficient == fit.model.coefficient) return fit;
     const double loss = loss_of(observations, evaluator(fit.model));
     fit.model = rounded(within);
@@ -137,12 +137,12 @@ PmFit lowered_to(const AlbedoBound& bound, PmFit fit, const Observations& observ
 
 PmFit with_spectra(PmFit fit, const Observations& observations, const PmFitOptions& options) {
     for (PmModel* model : {&fit.model, &fit.unrounded})
-        *model = with_spectra(std::move(*model), shape_of(options), observations);
+        *model = fit_spectra(std::move(*model), shape_of(options), observations);
     fit.model = rounded(fit.model);
     return fit;
 }
 
-PmFit finish(Lobes lobes, Observations observations, const RowOptions& terms, const PmFitOptions& options,
+PmFit finish(Lobes lobes, Observations observations, const PackingOptions& terms, const PmFitOptions& options,
              const Reporter& reporter) {
     const std::size_t first_bound = observations.fitted_count();
     std::optional<AlbedoBound> bound = albedo_bound(options);
@@ -150,7 +150,7 @@ PmFit finish(Lobes lobes, Observations observations, const RowOptions& terms, co
         return take_last_steps(problem, x, reporter);
     });
     for (int round = 0; round < k_bound_rounds && !reporter.cancelled(); ++round) {
-        std::size_t exceeded = add_exceeded_pairs(observations, first_bound, fit.model, fit.loss);
+        std::size_t exceeded = promote_exceeded_pairs(observations, first_bound, fit.model, fit.loss);
         if (bound) exceeded += bound->add_exceeded(observations, evaluator(fit.model));
         if (exceeded == 0) break;
         fit = fit_round(observations, lobes, terms, [&](LobeProblem& problem, Eigen::VectorXd& x) {
@@ -158,7 +158,7 @@ PmFit finish(Lobes lobes, Observations observations, const RowOptions& terms, co
         });
     }
     if (!observations.wavelengths.empty()) fit = with_spectra(std::move(fit), observations, options);
-    return bound ? lowered_to(*bound, std::move(fit), observations) : fit;
+    return bound ? limit_albedo(*bound, std::move(fit), observations) : fit;
 }
 
 }  // namespace srbf

@@ -32,12 +32,12 @@ constexpr double k_nearly_best = 0.01;
 constexpr double k_visible_at_once = 10;
 
 Result<Done> validate(const Observations& observations, const PmFitOptions& options) {
-    if (const auto effort = require_range("fit", "effort", options.effort, k_least_effort, k_most_effort); !effort)
+    if (const auto effort = require_range("fit", "effort", options.effort, k_min_effort, k_max_effort); !effort)
         return effort.error();
     for (const auto& result :
-         {require_range("fit", "number of lobes", options.lobes, 1, k_most_fitted_lobes),
-          require_range("fit", "number of variates", options.variates, 1, int(k_most_variates)),
-          require_range("fit", "number of starts", options.starts.value_or(1), 1, k_most_starts),
+         {require_range("fit", "number of lobes", options.lobes, 1, k_max_fitted_lobes),
+          require_range("fit", "number of variates", options.variates, 1, int(k_max_variates)),
+          require_range("fit", "number of starts", options.starts.value_or(1), 1, k_max_starts),
           require_range("fit", "number of perturbations", options.perturbations.value_or(0), 0, 100000),
           require_range("fit", "number of threads", options.threads, 0, 1024)})
         if (!result) return result.error();
@@ -46,12 +46,12 @@ Result<Done> validate(const Observations& observations, const PmFitOptions& opti
     return validate(observations, parameter_count(options));
 }
 
-/// A stage of the perturbations of a fit. The first `fraction` of the starts, but at least `least` if there are that
+/// A stage of the perturbations of a fit. The first `fraction` of the starts, but at least `min` if there are that
 /// many, are perturbed on the rows of `pairs` until each candidate has had the share `until` of the options' number.
 struct Perturbations {
     Pairs pairs;
     double fraction, until;
-    std::size_t least = 1;
+    std::size_t min = 1;
 };
 constexpr Perturbations k_by_pairs[] = {
     {Pairs::search, 1, 0.2}, {Pairs::selection, 0.5, 0.5}, {Pairs::selection, 0.25, 1}};
@@ -73,7 +73,7 @@ std::size_t count_of(double fraction, const PmFitOptions& options) {
     return std::size_t(std::max(std::lround(fraction * starts_of(options)), 1L));
 }
 std::size_t count_of(const Perturbations& some, const PmFitOptions& options) {
-    return std::max(count_of(some.fraction, options), std::min(some.least, count_of(1, options)));
+    return std::max(count_of(some.fraction, options), std::min(some.min, count_of(1, options)));
 }
 int until(const Perturbations& some, const PmFitOptions& options) {
     return int(std::lround(some.until * perturbations_of(options)));
@@ -96,11 +96,12 @@ Work planned_work(const Observations& observations, const PmFitOptions& options)
     return {double(starts_of(options) * options.lobes + count), k_polish * count + 1};
 }
 
-/// The fit of one material. Runs on the threads of the caller's `on_threads`.
-class Fit {
+/// The search for the lobes of one material. Runs on the threads of the caller's `on_threads`.
+class StagedSearch {
   public:
     /// Makes a candidate for each start of the options, or one with the lobes of `begin`.
-    Fit(const Observations& observations, const PmFitOptions& options, const PmModel* begin, Reporter& reporter)
+    StagedSearch(const Observations& observations, const PmFitOptions& options, const PmModel* begin,
+                 Reporter& reporter)
         : observations_(observations), options_(options), reporter_(reporter), begins_from_model_(begin) {
         candidates_.resize(begin ? 1 : std::size_t(starts_of(options)));
         for (std::size_t start = 0; start < candidates_.size(); ++start) candidates_[start].start = int(start);
@@ -110,46 +111,47 @@ class Fit {
     /// Fits with pairs and albedos only. A candidate after the best one is finished only if its error is at most 1 %
     /// larger: the last steps lower the loss by 1 to 4 %.
     PmFit by_pairs() {
-        grow();
-        perturb(k_by_pairs);
+        grow_all();
+        perturb_all(k_by_pairs);
         add_exceeded_pairs();
         keep(4);
         for_candidates(subsets_.rows(Pairs::polish, {}),
                        [&](LobeProblem& problem, Candidate& candidate) { polish(problem, options_, 25, candidate); });
         reporter_.advance("polishing", work_.polish);
         sort_by_all_pairs();
-        return finish(3, {.integral_importance = subsets_.integral_importance()});
+        return finish_best(3, {.integral_importance = subsets_.integral_importance()});
     }
 
     /// Fits with pictures. The best candidate after all steps is nearly always among the best ones after three.
     PmFit by_pictures() {
-        grow();
-        perturb(k_by_pictures);
+        grow_all();
+        perturb_all(k_by_pictures);
         if (!reporter_.cancelled()) add_exceeded_pairs();
         const double importance = subsets_.picture_importance(candidates_.front());
         for (const auto& [fraction, steps] : {std::pair(1.0, 3), {0.25, 4}, {0.125, 8}}) {
             keep(count_of(fraction, options_));
             rank_by_pictures(steps, importance);
         }
-        return finish(1, {.integral_importance = subsets_.integral_importance(), .picture_importance = importance});
+        return finish_best(1,
+                           {.integral_importance = subsets_.integral_importance(), .picture_importance = importance});
     }
 
   private:
     /// Calls advance(problem, candidate) with a problem on these rows, with one candidate per thread, and orders the
     /// candidates by their loss.
-    template <typename Advance> void for_candidates(const Rows& rows, const Advance& advance) {
+    template <typename Advance> void for_candidates(const PackedObservations& rows, const Advance& advance) {
         parallel_for(candidates_.size(), [&](std::size_t i) {
             LobeProblem problem(rows, shape_of(options_), false);
             advance(problem, candidates_[i]);
         });
         std::ranges::stable_sort(candidates_, {}, &Candidate::loss);
     }
-    void grow() {
+    void grow_all() {
         for_candidates(
             subsets_.rows(Pairs::search, {.albedos = false}),
             [&](LobeProblem& problem, Candidate& candidate) { srbf::grow(problem, options_, candidate, reporter_); });
     }
-    void perturb(std::span<const Perturbations> all) {
+    void perturb_all(std::span<const Perturbations> all) {
         if (begins_from_model_) return;
         for (const Perturbations& some : all) {
             keep(count_of(some, options_));
@@ -177,21 +179,21 @@ class Fit {
         reporter_.advance("polishing", work_.polish / 3);
     }
     void sort_by_all_pairs() {
-        const Rows rows = subsets_.rows(Pairs::all, {});
+        const PackedObservations rows = subsets_.rows(Pairs::all, {});
         LobeProblem problem(rows, shape_of(options_), true);
         for (Candidate& candidate : candidates_) candidate.loss = problem.loss(pack(candidate.lobes));
         std::ranges::stable_sort(candidates_, {}, &Candidate::loss);
     }
 
-    /// Finishes the first candidate, and further ones of `most` that are nearly as good, and returns the best. Finishes
+    /// Finishes the first candidate, and further ones of `max` that are nearly as good, and returns the best. Finishes
     /// all remaining candidates for noisy tables, where albedos cost most and pictures do not show which candidate can
     /// follow them, and if pictures of the best one are far off; then pictures choose.
-    PmFit finish(std::size_t most, const RowOptions& terms) {
+    PmFit finish_best(std::size_t max, const PackingOptions& terms) {
         const bool is_noisy = observations_.is_noisy();
         const bool is_far_off =
             !is_noisy && terms.picture_importance > 0 && candidates_.front().loss > k_visible_at_once;
         const bool finishes_all = is_noisy || is_far_off;
-        if (!finishes_all) keep(most);
+        if (!finishes_all) keep(max);
         PmFit fit;
         for (std::size_t i = 0; i < candidates_.size(); ++i) {
             const bool may_be_best = i == 0 || finishes_all || candidates_[i].loss <= (1 + k_nearly_best) * fit.loss;
@@ -222,8 +224,8 @@ Result<PmFit> fit_pm(const Observations& observations, const PmFitOptions& optio
     Reporter reporter(progress, planned_work(observations, options).total());
     PmFit done;
     on_threads(options.threads, [&] {
-        Fit fit(observations, options, begin, reporter);
-        done = observations.views.empty() ? fit.by_pairs() : fit.by_pictures();
+        StagedSearch search(observations, options, begin, reporter);
+        done = observations.views.empty() ? search.by_pairs() : search.by_pictures();
     });
     return done;
 }

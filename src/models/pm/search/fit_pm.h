@@ -16,8 +16,8 @@ namespace SRBF_NAMESPACE {
 struct PmFitOptions {
     PmForm form = PmForm::extended;
     bool axial = true;  ///< only centres at +z or −z, sufficient for isotropic data
-    int lobes = 8;      ///< J, 1..k_most_fitted_lobes
-    int variates = 4;   ///< N, 1..k_most_variates
+    int lobes = 8;      ///< J, 1..k_max_fitted_lobes
+    int variates = 4;   ///< N, 1..k_max_variates
     /// Upper bound 1/finest² on bandwidths, and 1/finest [1/rad] on the other weights; 0: the range of 16-bit floats.
     double finest = 0;
     /// Number of starts: independent growths of J lobes. The stages in fit_pm.cpp say how many of them continue. None:
@@ -61,7 +61,7 @@ inline LobeShape shape_of(const PmFitOptions& options) {
     return {options.form, options.variates, options.axial, options.finest};
 }
 
-inline constexpr int k_most_starts = 1000;
+inline constexpr int k_max_starts = 1000;
 inline constexpr int k_many_starts = 12;  ///< the fewest of a default fit
 
 /// Default numbers of starts and perturbations. Fits with more lobes use fewer, because each takes longer and
@@ -70,7 +70,7 @@ inline int starts_of(const PmFitOptions& options) {
     const int lobes = std::max(options.lobes, 1);
     const int starts = options.starts.value_or(is_reciprocal(options.form) ? std::clamp(96 / lobes, k_many_starts, 16)
                                                                            : std::clamp(128 / lobes, 16, 20));
-    return std::clamp(int(std::lround(options.effort * starts)), 1, k_most_starts);
+    return std::clamp(int(std::lround(options.effort * starts)), 1, k_max_starts);
 }
 inline int perturbations_of(const PmFitOptions& options) {
     const int perturbations =

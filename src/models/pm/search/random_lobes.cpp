@@ -12,10 +12,10 @@ namespace {
 /// up to 2.
 constexpr double k_copies = 0.25, k_log_stretch = 1, k_shift = 2;
 
-/// Distribution of a weight: 0 with probability `zero`, otherwise log-uniform between `least` and `factor` times
+/// Distribution of a weight: 0 with probability `zero`, otherwise log-uniform between `min` and `factor` times
 /// that, negative with probability `negative`.
 struct WeightDistribution {
-    double zero, least, factor, negative;
+    double zero, min, factor, negative;
 };
 /// Bandwidths, and exponent weights that may form peaks. A bandwidth of 0.3 hardly changes over the sphere; the
 /// largest one fits 16-bit floats. A factor that rises away from its pole needs no more than `k_steepest`.
@@ -29,7 +29,7 @@ constexpr double k_poles = 0.5;
 /// Draws three random numbers in a fixed order, whatever the compiler.
 double sample_weight(const WeightDistribution& distribution, double steepest, std::mt19937_64& random) {
     const double chance = uniform(random),
-                 size = distribution.least * elementary::pow(distribution.factor, uniform(random)),
+                 size = distribution.min * elementary::pow(distribution.factor, uniform(random)),
                  sign = uniform(random);
     return chance < distribution.zero ? 0.0 : sign < distribution.negative ? -std::min(size, steepest) : size;
 }
@@ -52,7 +52,7 @@ std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes) {
     const LobeShape& shape = lobes.shape;
     const auto clamp_weight = [&](double w, int i) {
         const Interval range = weight_range(i, shape);
-        return std::clamp(w, range.least, range.most);
+        return std::clamp(w, range.min, range.max);
     };
     if (lobes.count() > 0 && uniform(random) < k_copies) {
         const auto parent = lobes.weights_of(int(uniform(random) * lobes.count()));
@@ -66,7 +66,7 @@ std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes) {
     }
     std::vector<double> weight;
     const auto sharp = [&] { return sample_weight(k_sharp, k_steepest, random); };
-    const auto broad = [&] { return sample_weight(k_broad, k_broad.least * k_broad.factor, random); };
+    const auto broad = [&] { return sample_weight(k_broad, k_broad.min * k_broad.factor, random); };
     for (int n = 0; n < shape.variates; ++n) {
         const double p = sharp();
         if (shape.axial) {

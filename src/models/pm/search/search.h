@@ -34,7 +34,7 @@ void polish(LobeProblem& problem, const PmFitOptions& options, int steps, Candid
 /// Optimises the lobes on all observations, with these terms, and rounds them. Bound pairs that the rounded model
 /// exceeds become observations for the next round, until the model exceeds none. With spectral observations the lobes
 /// then get spectra.
-PmFit finish(Lobes lobes, Observations observations, const RowOptions& terms, const PmFitOptions& options,
+PmFit finish(Lobes lobes, Observations observations, const PackingOptions& terms, const PmFitOptions& options,
              const Reporter& reporter);
 
 /// The random generator of one of the streams of a start: 0 for its growth, 1 for its polish, 2 + i for perturbation i.

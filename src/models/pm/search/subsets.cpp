@@ -4,7 +4,7 @@
 
 #include "base/parallel.h"
 #include "models/pm/solve/rounding.h"
-#include "observe/bound.h"
+#include "observe/excess.h"
 #include "observe/observations.h"
 #include "observe/pair_weights.h"
 #include "observe/pairs.h"
@@ -13,13 +13,13 @@ namespace SRBF_NAMESPACE {
 namespace {
 
 /// Maximum number of exceeded bound pairs that are added for each candidate.
-constexpr std::size_t k_most_added = 16;
+constexpr std::size_t k_max_added = 16;
 
-/// At most `most` elements of `indices`, uniformly spaced.
-std::vector<std::size_t> thin_out(const std::vector<std::size_t>& indices, std::size_t most) {
-    if (indices.size() <= most) return indices;
+/// At most `max` elements of `indices`, uniformly spaced.
+std::vector<std::size_t> thin_out(const std::vector<std::size_t>& indices, std::size_t max) {
+    if (indices.size() <= max) return indices;
     std::vector<std::size_t> kept;
-    for (std::size_t k = 0; k < most; ++k) kept.push_back(indices[k * indices.size() / most]);
+    for (std::size_t k = 0; k < max; ++k) kept.push_back(indices[k * indices.size() / max]);
     return kept;
 }
 
@@ -27,14 +27,14 @@ std::vector<std::size_t> thin_out(const std::vector<std::size_t>& indices, std::
 
 Subsets::Subsets(const Observations& observations, std::size_t search_pairs)
     : all_(observations),
-      search_(part_of(observations.f.size() < k_polish_pairs ? k_selection_pairs : search_pairs)),
-      selection_(part_of(k_selection_pairs)),
-      polish_(part_of(k_polish_pairs)),
+      search_(first_pairs_of(observations.f.size() < k_polish_pairs ? k_selection_pairs : search_pairs)),
+      selection_(first_pairs_of(k_selection_pairs)),
+      polish_(first_pairs_of(k_polish_pairs)),
       largest_(largest_measured(observations)) {
     selection_.observations.views = observations.views;
 }
 
-Subsets::Part Subsets::part_of(std::size_t pairs) const {
+Subsets::Subset Subsets::first_pairs_of(std::size_t pairs) const {
     Observations part = first_pairs(all_, pairs);
     part.wavelengths.clear(), part.spectrum.clear();
     part.integrals = all_.integrals;
@@ -43,7 +43,7 @@ Subsets::Part Subsets::part_of(std::size_t pairs) const {
 }
 
 void Subsets::add_exceeded_pairs(const std::vector<Candidate>& candidates, const LobeShape& shape) {
-    const Rows selection_rows(selection_.observations), polish_rows(polish_.observations);
+    const PackedObservations selection_rows(selection_.observations), polish_rows(polish_.observations);
     std::vector<std::vector<std::size_t>> added(candidates.size());
     std::vector<double> loss(candidates.size());
     parallel_for(candidates.size(), [&](std::size_t i) {
@@ -54,8 +54,8 @@ void Subsets::add_exceeded_pairs(const std::vector<Candidate>& candidates, const
             exceeded_pairs(all_, search_.begin, to_model(selection, lobes, {}), largest_);
         // Bounds beyond the grid are left to the last stage: candidates often exceed them, and they would displace more
         // important ones.
-        std::erase_if(indices, [&](std::size_t k) { return std::min(all_.wl[k].z, all_.wv[k].z) < k_brink_cosine; });
-        added[i] = thin_out(std::move(indices), k_most_added);
+        std::erase_if(indices, [&](std::size_t k) { return std::min(all_.wl[k].z, all_.wv[k].z) < k_grazing_cosine; });
+        added[i] = thin_out(std::move(indices), k_max_added);
         loss[i] = polish.loss(pack(lobes));
     });
     loss_ = *std::min_element(loss.begin(), loss.end());
@@ -65,21 +65,21 @@ void Subsets::add_exceeded_pairs(const std::vector<Candidate>& candidates, const
     const std::size_t fitted = all_.fitted_count();
     for (const std::size_t i : added_indices) {
         const double weight = i < fitted ? all_.weight[i] : bound_weight(all_, i, loss_, largest_);
-        for (Part* part : {&search_, &selection_, &polish_})
-            if (i >= part->begin) part->observations.add(all_.wl[i], all_.wv[i], all_.f[i], weight);
+        for (Subset* subset : {&search_, &selection_, &polish_})
+            if (i >= subset->begin) subset->observations.add(all_.wl[i], all_.wv[i], all_.f[i], weight);
     }
 }
 
 double Subsets::integral_importance() const {
-    return std::min(loss_, k_most_albedo_loss) / (3 * all_.integral_error * all_.integral_error);
+    return std::min(loss_, k_max_albedo_loss) / (3 * all_.integral_error * all_.integral_error);
 }
 
 double Subsets::picture_importance(const Candidate& candidate) const {
-    constexpr double k_negligible = 1e-9, k_least_delta_e = 1e-3;
-    const Rows seen = rows(Pairs::selection, {.pictures = k_negligible});
+    constexpr double k_negligible = 1e-9, k_min_delta_e = 1e-3;
+    const PackedObservations seen = rows(Pairs::selection, {.pictures = k_negligible});
     LobeProblem problem(seen, candidate.lobes.shape, true);
     problem.loss(pack(candidate.lobes));
-    return k_pixels * loss_ / std::max(problem.delta_e(), k_least_delta_e);
+    return k_pixels * loss_ / std::max(problem.delta_e(), k_min_delta_e);
 }
 
 const Observations& Subsets::observations(Pairs pairs) const {
@@ -96,10 +96,11 @@ const Observations& Subsets::observations(Pairs pairs) const {
     return all_;
 }
 
-Rows Subsets::rows(Pairs pairs, const FurtherTerms& terms) const {
-    return Rows(observations(pairs), {.integral_importance = terms.albedos ? integral_importance() : 0,
-                                      .subsampled_integrals = pairs == Pairs::search || pairs == Pairs::selection,
-                                      .picture_importance = terms.pictures});
+PackedObservations Subsets::rows(Pairs pairs, const FurtherTerms& terms) const {
+    return PackedObservations(observations(pairs),
+                              {.integral_importance = terms.albedos ? integral_importance() : 0,
+                               .subsampled_integrals = pairs == Pairs::search || pairs == Pairs::selection,
+                               .picture_importance = terms.pictures});
 }
 
 }  // namespace srbf

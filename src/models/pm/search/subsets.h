@@ -16,7 +16,7 @@ enum class Pairs { search, selection, polish, all };
 /// The terms of a loss besides the pairs.
 struct FurtherTerms {
     bool albedos = true;
-    double pictures = 0;  ///< see RowOptions::picture_importance
+    double pictures = 0;  ///< see PackingOptions::picture_importance
 };
 
 /// The first observations, in colours: for the search, for the selection, and for the polish. From stage to stage,
@@ -30,7 +30,7 @@ class Subsets {
     /// measurement. Updates the loss to which the weight of integrals is relative.
     void add_exceeded_pairs(const std::vector<Candidate>& candidates, const LobeShape& shape);
 
-    Rows rows(Pairs pairs, const FurtherTerms& terms) const;
+    PackedObservations rows(Pairs pairs, const FurtherTerms& terms) const;
 
     /// The increase of the sum if every integral differs by its luminance in one of three channels.
     double integral_importance() const;
@@ -38,15 +38,15 @@ class Subsets {
     double picture_importance(const Candidate& candidate) const;
 
   private:
-    struct Part {
+    struct Subset {
         Observations observations;
         std::size_t begin;  ///< number of initial observations from `all_`; the others were added
     };
-    Part part_of(std::size_t pairs) const;
+    Subset first_pairs_of(std::size_t pairs) const;
     const Observations& observations(Pairs pairs) const;
 
     const Observations& all_;
-    Part search_, selection_, polish_;
+    Subset search_, selection_, polish_;
     double largest_, loss_ = 1;
 };
 

@@ -8,9 +8,9 @@ namespace SRBF_NAMESPACE {
 namespace {
 
 /// Maximum number of steps with pixels. Steps end when the predicted decrease of the loss is below a fraction
-/// `k_tolerance`, or when a step would have to be shortened below `k_least_fraction`.
+/// `k_tolerance`, or when a step would have to be shortened below `k_min_fraction`.
 constexpr int k_pixel_steps = 2;
-constexpr double k_tolerance = 1e-6, k_least_fraction = 0.05;
+constexpr double k_tolerance = 1e-6, k_min_fraction = 0.05;
 
 bool are_equal_columns(const Eigen::MatrixXd& x) { return (x.colwise() - x.col(0)).isZero(0); }
 
@@ -44,7 +44,7 @@ void Coefficients::fit_to_pixels(const Eigen::MatrixXd& products, const PixelTer
         const double predicted = -2 * direction.dot(terms.g) - direction.dot(terms.H * direction);
         if (!(predicted > k_tolerance * loss)) return;
         bool lowered = false;
-        for (double fraction = 1; fraction > k_least_fraction && !lowered; fraction /= 2) {
+        for (double fraction = 1; fraction > k_min_fraction && !lowered; fraction /= 2) {
             const Eigen::MatrixXd next = beta + fraction * direction.reshaped(J, C);
             double next_pixel_loss = 0;
             const double next_loss = loss_at(next, products, pixels, next_pixel_loss, next_terms);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "models/pm/solve/columns.h"
+#include "models/pm/solve/simd_columns.h"
 
 namespace SRBF_NAMESPACE {
 
@@ -79,11 +79,11 @@ void DerivativeGram::fill_columns(std::size_t block, Aligned<float>& memory, std
         all[std::size_t(lobe(j, 0))] = basis_.lobe(block, int(j));
         for (int i = 0; i < int(W_); ++i) {
             float* const column = &memory[std::size_t(lobe(j, 1 + i)) * k_block];
-            if (basis_.shape().sides() == 1)
+            if (basis_.shape().orders() == 1)
                 multiply(basis_.lobe(block, int(j)), basis_.factor(block, i), column, count);
             else
-                add_two_products(basis_.part(block, int(j), 0), basis_.factor(block, i, 0),
-                                 basis_.part(block, int(j), 1), basis_.factor(block, i, 1), column, count);
+                add_two_products(basis_.summand(block, int(j), 0), basis_.factor(block, i, 0),
+                                 basis_.summand(block, int(j), 1), basis_.factor(block, i, 1), column, count);
         }
     }
     for (Eigen::Index n = 0; n < N_; ++n) fill_angle(block, n, memory);
@@ -100,13 +100,13 @@ void DerivativeGram::fill_angle(std::size_t block, Eigen::Index n, Aligned<float
     for (Eigen::Index s = 0; s < S_; ++s) {
         float* const column = &memory[std::size_t(angle(s, n)) * k_block];
         std::fill_n(column, count, 0.f);
-        for (int side = 0; side < basis_.shape().sides(); ++side)
+        for (int order = 0; order < basis_.shape().orders(); ++order)
             for (Eigen::Index k = n * C; k < (n + 1) * C; ++k) {
                 for (Eigen::Index j = 0; j < J_; ++j) {
                     weights[std::size_t(j)] = float(columns_.lobes(s, j) * x_[N_ + j * W_ + k]);
-                    parts[std::size_t(j)] = basis_.part(block, int(j), side);
+                    parts[std::size_t(j)] = basis_.summand(block, int(j), order);
                 }
-                combine_and_multiply(weights, parts, basis_.by_angle(block, int(k), side), product, count);
+                combine_and_multiply(weights, parts, basis_.by_angle(block, int(k), order), product, count);
                 add(column, product, column, count);
             }
     }

@@ -3,29 +3,29 @@
 #include <algorithm>
 #include <limits>
 
-#include "models/pm/solve/columns.h"
+#include "models/pm/solve/simd_columns.h"
 #include "srbf/elementary.h"
 
 namespace SRBF_NAMESPACE {
 
-LobeBasis::LobeBasis(const Rows& rows, const LobeShape& shape, bool parallel)
+LobeBasis::LobeBasis(const PackedObservations& rows, const LobeShape& shape, bool parallel)
     : rows_(rows),
       shape_(shape),
       parallel_(parallel),
-      factor_(rows.total_blocks() * std::size_t(shape.sides() * factors()) * k_block) {
+      factor_(rows.total_blocks() * std::size_t(shape.orders() * factors()) * k_block) {
     if (features(shape.form) == 0) return;
     for (std::size_t block = 0; block < rows_.total_blocks(); ++block)
-        for (int side = 0; side < shape.sides(); ++side)
-            further_features(rows_, block, features(shape.form), factor(block, shape.directional(), side));
+        for (int order = 0; order < shape.orders(); ++order)
+            further_features(rows_, block, features(shape.form), factor(block, shape.directional(), order));
 }
 
 void LobeBasis::evaluate_factors(const Eigen::VectorXd& x, std::size_t block) {
     for (int n = 0; n < shape_.variates; ++n) {
         const auto a = float(elementary::cos(x[n])), b = float(elementary::sin(x[n]));
         const int first = n * shape_.components();
-        for (int side = 0; side < shape_.sides(); ++side)
-            variate_features(rows_, block, side, a, b, shape_.axial, factor(block, first, side),
-                             by_angle(block, first, side));
+        for (int order = 0; order < shape_.orders(); ++order)
+            variate_features(rows_, block, order, a, b, shape_.axial, factor(block, first, order),
+                             by_angle(block, first, order));
     }
 }
 
@@ -36,7 +36,7 @@ void LobeBasis::evaluate(const Eigen::VectorXd& x) {
     count_ = (int(x.size()) - shape_.variates) / shape_.width();
     const auto J = std::size_t(count_);
     const std::size_t columns = rows_.total_blocks() * J * k_block;
-    lobe_.resize(columns), part_.resize(shape_.sides() == 1 ? 0 : 2 * columns);
+    lobe_.resize(columns), summand_.resize(shape_.orders() == 1 ? 0 : 2 * columns);
     const Eigen::VectorXf weight = x.tail(Eigen::Index(J * W)).cast<float>();
 
     std::vector<std::vector<float>> largest(rows_.total_chunks(), std::vector<float>(J, k_lowest));
@@ -44,12 +44,12 @@ void LobeBasis::evaluate(const Eigen::VectorXd& x) {
         std::vector<const float*> s(W);
         for (std::size_t block = begin; block < end; ++block) {
             evaluate_factors(x, block);
-            for (int side = 0; side < shape_.sides(); ++side) {
-                for (std::size_t n = 0; n < W; ++n) s[n] = factor(block, int(n), side);
+            for (int order = 0; order < shape_.orders(); ++order) {
+                for (std::size_t n = 0; n < W; ++n) s[n] = factor(block, int(n), order);
                 for (std::size_t j = 0; j < J; ++j)
                     largest[chunk][j] = std::max(
                         largest[chunk][j], exponent({weight.data() + j * W, W}, s, &rows_.root_weight[block * k_block],
-                                                    part(block, int(j), side), rows_.rows_in(block)));
+                                                    summand(block, int(j), order), rows_.rows_in(block)));
             }
         }
     });
@@ -68,11 +68,11 @@ void LobeBasis::evaluate(const Eigen::VectorXd& x) {
 void LobeBasis::exponentiate_lobe(std::size_t block, int j) {
     const std::size_t count = rows_.rows_in(block);
     const auto offset = float(offset_[std::size_t(j)]);
-    for (int side = 0; side < shape_.sides(); ++side) {
-        float* const values = part(block, j, side);
+    for (int order = 0; order < shape_.orders(); ++order) {
+        float* const values = summand(block, j, order);
         exponentiate(values, &rows_.root_weight[block * k_block], offset, values, count);
     }
-    if (shape_.sides() == 2) add(part(block, j, 0), part(block, j, 1), lobe(block, j), count);
+    if (shape_.orders() == 2) add(summand(block, j, 0), summand(block, j, 1), lobe(block, j), count);
 }
 
 }  // namespace srbf

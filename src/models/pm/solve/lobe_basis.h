@@ -1,37 +1,37 @@
 // Lobes on the rows of a fit: their values and the factors of their derivatives.
 #pragma once
 #include "models/pm/solve/lobes.h"
-#include "models/pm/solve/rows.h"
+#include "models/pm/solve/packed_observations.h"
 
 namespace SRBF_NAMESPACE {
 
 /// The values √w E_j of lobes on all rows, and the factors of their derivatives: E_j s_i with respect to weight i
-/// of lobe j, and Σ_j E_j p_jn·∂ψ_n/∂angle with respect to angle n. Each is a sum over the sides of the shape.
+/// of lobe j, and Σ_j E_j p_jn·∂ψ_n/∂angle with respect to angle n. Each is a sum over the orders of the shape.
 class LobeBasis {
   public:
     /// `parallel`: loops over rows use several threads; the result does not depend on it.
-    LobeBasis(const Rows& rows, const LobeShape& shape, bool parallel);
+    LobeBasis(const PackedObservations& rows, const LobeShape& shape, bool parallel);
 
     void evaluate(const Eigen::VectorXd& x);
 
     // Results of the last call of `evaluate`, for a block of rows:
     int count() const { return count_; }  ///< J
     float* lobe(std::size_t block, int j) { return column(lobe_, block, count_, j); }
-    /// The part of a lobe that one side contributes.
-    float* part(std::size_t block, int j, int side) {
-        return shape_.sides() == 1 ? lobe(block, j) : column(part_, block, 2 * count_, side * count_ + j);
+    /// The summand of a lobe that one order contributes.
+    float* summand(std::size_t block, int j, int order) {
+        return shape_.orders() == 1 ? lobe(block, j) : column(summand_, block, 2 * count_, order * count_ + j);
     }
     /// s_i of weight i.
-    float* factor(std::size_t block, int i, int side = 0) {
-        return column(factor_, block, shape_.sides() * factors(), side * factors() + i);
+    float* factor(std::size_t block, int i, int order = 0) {
+        return column(factor_, block, shape_.orders() * factors(), order * factors() + i);
     }
     /// ∂(ψ−ẑ)/∂angle, in the order of the weights of variates.
-    float* by_angle(std::size_t block, int k, int side = 0) { return factor(block, shape_.width() + k, side); }
+    float* by_angle(std::size_t block, int k, int order = 0) { return factor(block, shape_.width() + k, order); }
     /// Factors of weights and angles: W + N C.
     int factors() const { return shape_.width() + shape_.directional(); }
     const std::vector<double>& offset() const { return offset_; }  ///< o_j
 
-    const Rows& rows() const { return rows_; }
+    const PackedObservations& rows() const { return rows_; }
     const LobeShape& shape() const { return shape_; }
     bool parallel() const { return parallel_; }
 
@@ -44,11 +44,11 @@ class LobeBasis {
     /// Replaces the exponents of lobe j by its values.
     void exponentiate_lobe(std::size_t block, int j);
 
-    const Rows& rows_;
+    const PackedObservations& rows_;
     LobeShape shape_;
     bool parallel_;
     int count_ = 0;
-    Aligned<float> lobe_, part_, factor_;  ///< blocks × (J, 2 J or none, sides × (W + N C)) × k_block
+    Aligned<float> lobe_, summand_, factor_;  ///< blocks × (J, 2 J or none, orders × (W + N C)) × k_block
     std::vector<double> offset_;
 };
 

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "base/least_squares.h"
-#include "models/pm/solve/columns.h"
+#include "models/pm/solve/simd_columns.h"
 #include "srbf/elementary.h"
 
 namespace SRBF_NAMESPACE {
@@ -16,19 +16,19 @@ constexpr double k_log_peak_limit = 300;
 
 }  // namespace
 
-LobeProblem::LobeProblem(const Rows& rows, const LobeShape& shape, bool parallel)
+LobeProblem::LobeProblem(const PackedObservations& rows, const LobeShape& shape, bool parallel)
     : rows_(rows),
       shape_(shape),
       basis_(rows, shape, parallel),
       pixels_(basis_),
       residuals_(rows.total_blocks() * rows.y.size() * k_block) {}
 
-Eigen::VectorXd LobeProblem::bounds(Eigen::Index size, double Interval::*side) const {
+Eigen::VectorXd LobeProblem::bounds(Eigen::Index size, double Interval::*bound) const {
     const Interval angles{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
     Eigen::VectorXd b(size);
-    b.head(shape_.variates).setConstant(angles.*side);
+    b.head(shape_.variates).setConstant(angles.*bound);
     for (Eigen::Index i = shape_.variates; i < size; ++i)
-        b[i] = weight_range(int(i - shape_.variates) % shape_.width(), shape_).*side;
+        b[i] = weight_range(int(i - shape_.variates) % shape_.width(), shape_).*bound;
     return b;
 }
 
@@ -165,7 +165,7 @@ Eigen::MatrixXd LobeProblem::derivatives_with_lobes(const DerivativeGram& sums, 
 // lobes, whose coefficients adapt, and r is the residual. The coefficient must not be negative.
 Eigen::VectorXd LobeProblem::gains(const std::vector<std::vector<double>>& candidates) {
     constexpr std::size_t k_group = 16;  // the values of this many candidates on all blocks fit in the cache
-    constexpr double k_nothing = 1e-60, k_least_orthogonal = 1e-4;  // less of |e|² is float noise
+    constexpr double k_nothing = 1e-60, k_min_orthogonal = 1e-4;  // less of |e|² is float noise
     const Eigen::LDLT<Eigen::MatrixXd> factor(with_ridge(gram()));
     Eigen::VectorXd gains = Eigen::VectorXd::Constant(Eigen::Index(candidates.size()), -1);
     for (std::size_t first = 0; first < candidates.size(); first += k_group) {
@@ -177,7 +177,7 @@ Eigen::VectorXd LobeProblem::gains(const std::vector<std::vector<double>>& candi
             const auto with_lobes = products.col(k).head(basis_.count());
             double orthogonal = squares[k];
             if (basis_.count() > 0) orthogonal -= with_lobes.dot(factor.solve(with_lobes));
-            orthogonal = std::max(orthogonal, k_least_orthogonal * squares[k]);
+            orthogonal = std::max(orthogonal, k_min_orthogonal * squares[k]);
             gains[Eigen::Index(first) + k] = products.col(k).tail(channels()).cwiseMax(0.0).squaredNorm() / orthogonal;
         }
     }
@@ -193,30 +193,30 @@ std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<dou
 Eigen::MatrixXd LobeProblem::products_with_candidates(std::span<const std::vector<double>> candidates,
                                                       Eigen::VectorXd& squares) {
     const std::size_t blocks = rows_.blocks;
-    thread_local Aligned<float> values, other_side;
+    thread_local Aligned<float> values, other_order;
     values.resize(std::max(values.size(), candidates.size() * blocks * k_block));
-    other_side.resize(std::max(other_side.size(), std::size_t(shape_.sides() - 1) * blocks * k_block));
+    other_order.resize(std::max(other_order.size(), std::size_t(shape_.orders() - 1) * blocks * k_block));
     const auto candidate = [&](std::size_t k, std::size_t block) { return &values[(k * blocks + block) * k_block]; };
     std::vector<const float*> factors, rows, columns;
     for (std::size_t k = 0; k < candidates.size(); ++k) {
         const std::vector<float> weight(candidates[k].begin(), candidates[k].end());
-        const auto part = [&](std::size_t block, int side) {
-            return side == 0 ? candidate(k, block) : &other_side[block * k_block];
+        const auto part = [&](std::size_t block, int order) {
+            return order == 0 ? candidate(k, block) : &other_order[block * k_block];
         };
         float offset = -std::numeric_limits<float>::infinity();
         for (std::size_t block = 0; block < blocks; ++block)
-            for (int side = 0; side < shape_.sides(); ++side) {
+            for (int order = 0; order < shape_.orders(); ++order) {
                 factors.clear();
-                for (int n = 0; n < shape_.width(); ++n) factors.push_back(basis_.factor(block, n, side));
+                for (int n = 0; n < shape_.width(); ++n) factors.push_back(basis_.factor(block, n, order));
                 offset = std::max(offset, exponent(weight, factors, &rows_.root_weight[block * k_block],
-                                                   part(block, side), rows_.rows_in(block)));
+                                                   part(block, order), rows_.rows_in(block)));
             }
         double sum = 0;
         for (std::size_t block = 0; block < blocks; ++block) {
-            for (int side = 0; side < shape_.sides(); ++side)
-                exponentiate(part(block, side), &rows_.root_weight[block * k_block], offset, part(block, side),
+            for (int order = 0; order < shape_.orders(); ++order)
+                exponentiate(part(block, order), &rows_.root_weight[block * k_block], offset, part(block, order),
                              rows_.rows_in(block));
-            if (shape_.sides() == 2) add(part(block, 0), part(block, 1), part(block, 0), rows_.rows_in(block));
+            if (shape_.orders() == 2) add(part(block, 0), part(block, 1), part(block, 0), rows_.rows_in(block));
             sum += sum_of_squares(candidate(k, block), rows_.rows_in(block));
         }
         squares[Eigen::Index(k)] = sum;

@@ -11,12 +11,12 @@ namespace SRBF_NAMESPACE {
 class LobeProblem {
   public:
     /// `parallel`: loops over rows use several threads; the result does not depend on it.
-    LobeProblem(const Rows& rows, const LobeShape& shape, bool parallel);
+    LobeProblem(const PackedObservations& rows, const LobeShape& shape, bool parallel);
 
     double loss(const Eigen::VectorXd& x);
     void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g);
-    Eigen::VectorXd lower(const Eigen::VectorXd& x) const { return bounds(x.size(), &Interval::least); }
-    Eigen::VectorXd upper(const Eigen::VectorXd& x) const { return bounds(x.size(), &Interval::most); }
+    Eigen::VectorXd lower(const Eigen::VectorXd& x) const { return bounds(x.size(), &Interval::min); }
+    Eigen::VectorXd upper(const Eigen::VectorXd& x) const { return bounds(x.size(), &Interval::max); }
     /// Step bounds: half a weight plus 2, and half a radian, so that a lobe without effect at present does not
     /// diverge.
     Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const;
@@ -39,7 +39,7 @@ class LobeProblem {
     std::vector<double> best_addition(const std::vector<std::vector<double>>& candidates);
 
   private:
-    Eigen::VectorXd bounds(Eigen::Index size, double Interval::*side) const;
+    Eigen::VectorXd bounds(Eigen::Index size, double Interval::*bound) const;
     Eigen::Index channels() const { return Eigen::Index(rows_.y.size()); }
     float* residual_column(std::size_t block, Eigen::Index c) {
         return &residuals_[(block * std::size_t(channels()) + std::size_t(c)) * k_block];
@@ -58,7 +58,7 @@ class LobeProblem {
     /// receives the candidates' squared norms.
     Eigen::MatrixXd products_with_candidates(std::span<const std::vector<double>> candidates, Eigen::VectorXd& squares);
 
-    const Rows& rows_;
+    const PackedObservations& rows_;
     LobeShape shape_;
     LobeBasis basis_;
     PixelMoments pixels_;

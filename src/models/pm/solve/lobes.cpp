@@ -27,8 +27,8 @@ Interval weight_range(int n, const LobeShape& shape) {
     if (const int k = n - shape.directional(); k >= 0) {
         const ExponentTerm& term = k_terms[std::size_t(k)];
         const double slope = term.is_slope ? at_most(1 / shape.finest) : double(k_half_max);
-        const double least = is_reciprocal(shape.form) ? term.least_if_reciprocal : term.least;
-        return {std::max(least, -slope), std::min(term.most, slope)};
+        const double min = is_reciprocal(shape.form) ? term.min_if_reciprocal : term.min;
+        return {std::max(min, -slope), std::min(term.max, slope)};
     }
     const double bandwidth = at_most(elementary::pow(shape.finest, -2));  // |p|, representable in 16 bits
     const double component = shape.axial ? bandwidth : bandwidth / std::sqrt(3.0);
@@ -36,7 +36,7 @@ Interval weight_range(int n, const LobeShape& shape) {
 }
 
 double log_peak_factor(std::span<const double> weights, const LobeShape& shape, double offset) {
-    double log_factor = elementary::log(double(shape.sides())) - offset;
+    double log_factor = elementary::log(double(shape.orders())) - offset;
     for (int n = 0; n < shape.variates; ++n) {
         const Vec3d p = vector_of(weights, shape, n);
         log_factor += elementary::hypot(p.x, p.y, p.z) - p.z;

@@ -17,8 +17,9 @@ struct LobeShape {
     int components() const { return axial ? 1 : 3; }             ///< C: weights per variate
     int directional() const { return variates * components(); }  ///< weights of all variates of a lobe
     int width() const { return directional() + features(form); }
-    /// The sides on which a lobe is evaluated: (ωl, ωv), and (ωv, ωl) if the form is reciprocal.
-    int sides() const { return is_reciprocal(form) ? 2 : 1; }
+    /// Number of orders of the directions in which a lobe is evaluated: (ωl, ωv), and (ωv, ωl) if the form is
+    /// reciprocal.
+    int orders() const { return is_reciprocal(form) ? 2 : 1; }
 };
 
 /// The nonlinear parameters of J lobes of N variates. Lobe j is E_j = exp(Σ_n p_jn·(ψ_n − ẑ) + Σ_k κ_jk x_k − o_j).
@@ -40,7 +41,7 @@ Lobes unpack(const Eigen::VectorXd& x, const LobeShape& shape);
 
 /// Lower and upper bound of a number.
 struct Interval {
-    double least, most;
+    double min, max;
 };
 /// The range of weight n of a lobe.
 Interval weight_range(int n, const LobeShape& shape);

@@ -4,7 +4,7 @@
 
 #include "base/least_squares.h"
 #include "base/parallel.h"
-#include "models/pm/solve/columns.h"
+#include "models/pm/solve/simd_columns.h"
 
 namespace SRBF_NAMESPACE {
 
@@ -99,38 +99,38 @@ void PixelTerm::add_derivatives(const Eigen::MatrixXd& beta, const AddByLobe& ad
 }
 
 void PixelMoments::evaluate(bool with_derivatives) {
-    const Rows& rows = basis_.rows();
+    const PackedObservations& rows = basis_.rows();
     const std::size_t views_per_block = k_block / rows.view_rows;
     moment_.resize(pixels().blocks() * std::size_t(basis_.count() * columns_of_lobe()) * k_block);
     for_each((rows.views + views_per_block - 1) / views_per_block, basis_.parallel(), [&](std::size_t group) {
         for (std::size_t view = group * views_per_block; view < std::min(rows.views, (group + 1) * views_per_block);
              ++view)
-            for (int side = 0; side < basis_.shape().sides(); ++side) evaluate_view(view, side, with_derivatives);
+            for (int order = 0; order < basis_.shape().orders(); ++order) evaluate_view(view, order, with_derivatives);
     });
 }
 
 // Under a directional light a pixel is one row, under an extended light the product of the light with the rows of
-// its view. The second side adds to the first.
-void PixelMoments::evaluate_view(std::size_t view, int side, bool with_derivatives) {
-    const Rows& rows = basis_.rows();
+// its view. The second order adds to the first.
+void PixelMoments::evaluate_view(std::size_t view, int order, bool with_derivatives) {
+    const PackedObservations& rows = basis_.rows();
     const std::size_t J = std::size_t(basis_.count()), F = with_derivatives ? std::size_t(basis_.factors()) : 0,
                       count = rows.view_rows, row = rows.first_view_block() * k_block + view * count,
                       block = row / k_block, offset = row % k_block;
-    const std::span<const Rows::Pixel> pixels(&rows.pixel[rows.first_pixel[view]],
-                                              &rows.pixel[rows.first_pixel[view + 1]]);
+    const std::span<const PackedObservations::Pixel> pixels(&rows.pixel[rows.first_pixel[view]],
+                                                            &rows.pixel[rows.first_pixel[view + 1]]);
     thread_local Aligned<float> lit;  // light times E_j, for the extended lights
     lit.resize(std::max(lit.size(), pixels.size() * J * count));
     const Aligned<float> ones(count, 1.f);
     std::vector<const float*> lit_lobes, columns{ones.data()};
-    for (std::size_t i = 0; i < F; ++i) columns.push_back(basis_.factor(block, int(i), side) + offset);
+    for (std::size_t i = 0; i < F; ++i) columns.push_back(basis_.factor(block, int(i), order) + offset);
     const auto store = [&](std::size_t p, std::size_t j, std::size_t i, double value) {
         p += rows.first_pixel[view];
         float& stored = moment(p / k_block, Eigen::Index(i == 0 ? j : J + j * F + i - 1))[p % k_block];
-        stored = side == 0 ? float(value) : stored + float(value);
+        stored = order == 0 ? float(value) : stored + float(value);
     };
     for (std::size_t p = 0; p < pixels.size(); ++p)
         for (std::size_t j = 0; j < J; ++j) {
-            const float* const e = basis_.part(block, int(j), side) + offset;
+            const float* const e = basis_.summand(block, int(j), order) + offset;
             if (!pixels[p].is_directional) {
                 float* const product = &lit[lit_lobes.size() * count];
                 multiply(&rows.light[pixels[p].light], e, product, count);

@@ -76,7 +76,7 @@ class PixelMoments {
     float* moment(std::size_t block, Eigen::Index column) {
         return &moment_[(block * std::size_t(basis_.count() * columns_of_lobe()) + std::size_t(column)) * k_block];
     }
-    void evaluate_view(std::size_t view, int side, bool with_derivatives);
+    void evaluate_view(std::size_t view, int order, bool with_derivatives);
 
     LobeBasis& basis_;
     Aligned<float> moment_;  ///< blocks of pixels × columns × k_block

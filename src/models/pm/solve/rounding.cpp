@@ -16,12 +16,12 @@ Parameterization rounded_direction(double angle) {
     const bool swap = std::abs(b) > std::abs(a);
     const double ratio = swap ? a / b : b / a, sign = (swap ? b : a) < 0 ? -1 : 1;
     Parameterization best;
-    double least = std::numeric_limits<double>::infinity();
+    double min = std::numeric_limits<double>::infinity();
     for (int i = 0; i < 1024; ++i) {
         const double large = 1 + i / 1024.0, small = double(round_to_half(float(ratio * large)));
         const double error = std::abs(small / large - ratio);
-        if (error >= least) continue;
-        least = error;
+        if (error >= min) continue;
+        min = error;
         const auto p = float(sign * large), q = float(sign * small);
         best = swap ? Parameterization{q, p} : Parameterization{p, q};
     }
@@ -153,8 +153,8 @@ Lobes to_lobes(const PmModel& model, const LobeShape& shape) {
 Lobes round_lobes(LobeProblem& problem, const Lobes& lobes, double unrounded) {
     const Eigen::VectorXd x = pack(lobes);
     Lobes best = round_to_halves(x, lobes.shape);
-    double least = problem.loss(pack(best));
-    if (least <= k_cost_of_rounding * unrounded) return best;
+    double min = problem.loss(pack(best));
+    if (min <= k_cost_of_rounding * unrounded) return best;
     SecondOrder loss{lobes.shape, x, problem.lower(x), problem.upper(x), {}};
     Eigen::VectorXd g;
     problem.loss(x);
@@ -164,9 +164,9 @@ Lobes round_lobes(LobeProblem& problem, const Lobes& lobes, double unrounded) {
     for (const double damping : k_dampings) {
         problem.continue_from(beta);  // avoids coefficients of lobes that followed too far
         Lobes halves = loss.round_in_turn(damping);
-        if (const double rounded_loss = problem.loss(pack(halves)); rounded_loss < least)
-            least = rounded_loss, best = std::move(halves);
-        if (least <= k_cost_of_rounding * unrounded) break;
+        if (const double rounded_loss = problem.loss(pack(halves)); rounded_loss < min)
+            min = rounded_loss, best = std::move(halves);
+        if (min <= k_cost_of_rounding * unrounded) break;
     }
     problem.continue_from(beta);
     return best;

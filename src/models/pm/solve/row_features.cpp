@@ -1,4 +1,4 @@
-#include "models/pm/solve/rows.h"
+#include "models/pm/solve/packed_observations.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "models/pm/solve/row_features.cpp"
@@ -14,13 +14,13 @@ Vec3<Batch> direction(const std::array<Aligned<float>, 3>& w, std::size_t i) {
     return {Batch::load(&w[0][i]), Batch::load(&w[1][i]), Batch::load(&w[2][i])};
 }
 
-void variate_features(const Rows& rows, std::size_t block, int side, float a, float b, bool axial, float* s,
-                      float* s_by_angle) {
+void variate_features(const PackedObservations& rows, std::size_t block, int order, float a, float b, bool axial,
+                      float* s, float* s_by_angle) {
     using Formula = Formulas<Batch, PmModel>;
     const Batch a_(a), b_(b), one(1.0);
     const Vec3<Batch> up(Batch(0.0), Batch(0.0), one);
     const std::size_t first = block * k_block;
-    const auto &lights = side == 0 ? rows.wl : rows.wv, &viewers = side == 0 ? rows.wv : rows.wl;
+    const auto &lights = order == 0 ? rows.wl : rows.wv, &viewers = order == 0 ? rows.wv : rows.wl;
     const auto store = [axial](Batch x, Batch y, Batch z, float* column) HWY_ATTR {
         if (axial) return z.store(column);
         x.store(column);
@@ -35,7 +35,7 @@ void variate_features(const Rows& rows, std::size_t block, int side, float a, fl
     }
 }
 
-void further_features(const Rows& rows, std::size_t block, int count, float* features) {
+void further_features(const PackedObservations& rows, std::size_t block, int count, float* features) {
     const std::size_t first = block * k_block;
     for (std::size_t i = 0; i < rows.rows_in(block); i += Batch::size()) {
         const auto values = Formulas<Batch, PmModel>::pm_further_features(count, direction(rows.wl, first + i),
@@ -54,11 +54,11 @@ namespace SRBF_NAMESPACE {
 HWY_EXPORT(variate_features);
 HWY_EXPORT(further_features);
 
-void variate_features(const Rows& rows, std::size_t block, int side, float a, float b, bool axial, float* s,
-                      float* s_by_angle) {
-    HWY_DYNAMIC_DISPATCH(variate_features)(rows, block, side, a, b, axial, s, s_by_angle);
+void variate_features(const PackedObservations& rows, std::size_t block, int order, float a, float b, bool axial,
+                      float* s, float* s_by_angle) {
+    HWY_DYNAMIC_DISPATCH(variate_features)(rows, block, order, a, b, axial, s, s_by_angle);
 }
-void further_features(const Rows& rows, std::size_t block, int count, float* features) {
+void further_features(const PackedObservations& rows, std::size_t block, int count, float* features) {
     HWY_DYNAMIC_DISPATCH(further_features)(rows, block, count, features);
 }
 

@@ -10,8 +10,8 @@
 
 namespace SRBF_NAMESPACE {
 
-/// The parts of the observations that Rows hold.
-struct RowOptions {
+/// The parts of the observations that PackedObservations hold.
+struct PackingOptions {
     /// increase of the sum if every integral differs by its luminance in one channel; 0: no integrals
     double integral_importance = 0;
     bool subsampled_integrals = false;  ///< only the integrals of a search, and every ninth node of each
@@ -22,9 +22,9 @@ struct RowOptions {
 /// Observations in the layout of the loops: one array per component, padded to whole blocks with rows of weight 0.
 /// First come the blocks of pairs, which contribute a sum of squares. Then follow the same number of blocks for
 /// each integral, which contributes the square of a sum, and the blocks of views, whose pixels are sums over rows.
-struct Rows {
+struct PackedObservations {
     /// All observations except the bound pairs.
-    explicit Rows(const Observations& observations, const RowOptions& options = {});
+    explicit PackedObservations(const Observations& observations, const PackingOptions& options = {});
     std::size_t pairs = 0, blocks = 0;               ///< number of pairs, and of their blocks
     std::size_t integrals = 0, integral_blocks = 0;  ///< number of integrals, blocks per integral
     std::array<Aligned<float>, 3> wl, wv;
@@ -82,17 +82,18 @@ struct Rows {
 /// `fill` puts the columns of a block into an array of that length. `parallel`: chunks of rows use several threads; the
 /// result does not depend on it.
 using FillColumns = std::function<void(std::size_t block, std::vector<const float*>& columns)>;
-Eigen::MatrixXd products_of_columns(const Rows& rows, std::size_t count, bool parallel, const FillColumns& fill);
+Eigen::MatrixXd products_of_columns(const PackedObservations& rows, std::size_t count, bool parallel,
+                                    const FillColumns& fill);
 
 // Arrays hold k_block numbers and are aligned for SIMD; the first `rows_in` of the block are computed.
 
 /// Computes, for the rows of a block and ψ of (a, b), s = −|ψ−ẑ|²/2 = ψ_z − 1 and its derivative by the angle of (a,
 /// b). Unless `axial`, s holds ψ_x, ψ_y and ψ_z − 1 one after the other, likewise their derivatives: 3 × k_block
-/// numbers each. On side 1 light and viewer are exchanged.
-void variate_features(const Rows& rows, std::size_t block, int side, float a, float b, bool axial, float* s,
-                      float* s_by_angle);
+/// numbers each. In order 1 light and viewer are exchanged.
+void variate_features(const PackedObservations& rows, std::size_t block, int order, float a, float b, bool axial,
+                      float* s, float* s_by_angle);
 /// The first `count` further features (pm_further_features of kernel.glsl), one after the other: `count` × k_block
 /// numbers.
-void further_features(const Rows& rows, std::size_t block, int count, float* features);
+void further_features(const PackedObservations& rows, std::size_t block, int count, float* features);
 
 }  // namespace srbf

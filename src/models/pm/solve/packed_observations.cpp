@@ -1,9 +1,9 @@
-#include "models/pm/solve/rows.h"
+#include "models/pm/solve/packed_observations.h"
 
 #include <bit>
 #include <cmath>
 
-#include "models/pm/solve/columns.h"
+#include "models/pm/solve/simd_columns.h"
 
 namespace SRBF_NAMESPACE {
 namespace {
@@ -13,14 +13,14 @@ constexpr std::size_t k_integral_step = 9;
 
 }  // namespace
 
-template <typename Value> void Rows::set(std::size_t i, Vec3f l, Vec3f v, double factor, const Value& f) {
+template <typename Value> void PackedObservations::set(std::size_t i, Vec3f l, Vec3f v, double factor, const Value& f) {
     wl[0][i] = l.x, wl[1][i] = l.y, wl[2][i] = l.z;
     wv[0][i] = v.x, wv[1][i] = v.y, wv[2][i] = v.z;
     root_weight[i] = float(factor * scale);
     for (std::size_t c = 0; c < y.size(); ++c) y[c][i] = float(factor * double(f(c)));
 }
 
-Rows::Rows(const Observations& observations, const RowOptions& options) {
+PackedObservations::PackedObservations(const Observations& observations, const PackingOptions& options) {
     const std::size_t count = observations.fitted_count();
     blocks = blocks_for(count), pairs = count;
     const std::size_t step = options.subsampled_integrals ? k_integral_step : 1;
@@ -62,7 +62,7 @@ Rows::Rows(const Observations& observations, const RowOptions& options) {
         double unit = 0;
         for (std::size_t i = 0; i < integral.wl.size(); i += step)
             unit += integral.weight[i] * double(luminance(integral.f[i]));
-        unit = std::max({unit, integral.least_unit / double(step), integral.noise_unit / std::sqrt(double(step))});
+        unit = std::max({unit, integral.min_unit / double(step), integral.noise_unit / std::sqrt(double(step))});
         if (!(unit > 0)) continue;
         const double factor = std::sqrt(options.integral_importance * integral.cost / (costs > 0 ? costs : 1)) / unit;
         std::size_t row = (blocks + k * integral_blocks) * k_block;
@@ -73,7 +73,7 @@ Rows::Rows(const Observations& observations, const RowOptions& options) {
     if (views > 0) add_views(observations.views);
 }
 
-void Rows::add_views(const std::vector<ObservedView>& observed_views) {
+void PackedObservations::add_views(const std::vector<ObservedView>& observed_views) {
     const std::size_t begin = first_view_block() * k_block;
     std::vector<Pixels::Triplet> colours;
     for (std::size_t k = 0; k < views; ++k) {
@@ -100,7 +100,8 @@ void Rows::add_views(const std::vector<ObservedView>& observed_views) {
     pixels = Pixels(colours);
 }
 
-Eigen::MatrixXd products_of_columns(const Rows& rows, std::size_t count, bool parallel, const FillColumns& fill) {
+Eigen::MatrixXd products_of_columns(const PackedObservations& rows, std::size_t count, bool parallel,
+                                    const FillColumns& fill) {
     std::vector<std::vector<double>> parts(rows.chunks());
     rows.for_chunks(parts.size(), parallel, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
         const bool is_integral = rows.is_integral(begin);

@@ -46,7 +46,7 @@ Result<FittedBrdf> fit(const LoadedBrdf& measured) {
     auto outcome = fit(*measurement, FitRequest{});
     if (!outcome) return outcome.error();
     const std::size_t bytes = payload_bytes(outcome->model);
-    return FittedBrdf{loaded_brdf(std::move(outcome->model)), bytes, judged(*outcome->errors).mean.delta_e};
+    return FittedBrdf{loaded_brdf(std::move(outcome->model)), bytes, headline_errors(*outcome->errors).mean.delta_e};
 }
 
 Result<Done> save(const LoadedBrdf& model, const std::string& path) {

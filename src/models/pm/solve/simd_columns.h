@@ -14,8 +14,8 @@ namespace SRBF_NAMESPACE {
 /// x = Σ_n weight[n] s[n]. Returns the maximum over rows with a positive √w, or the lowest float if there are none.
 float exponent(std::span<const float> weight, std::span<const float* const> s, const float* root_weight, float* x,
                std::size_t count);
-inline constexpr double k_most_exponent = 20;
-/// e = √w exp(x − offset), for x − offset ≤ k_most_exponent, or 0 where that is less than 2⁻⁹³. Rows of weight 0 may
+inline constexpr double k_max_exponent = 20;
+/// e = √w exp(x − offset), for x − offset ≤ k_max_exponent, or 0 where that is less than 2⁻⁹³. Rows of weight 0 may
 /// exceed it and become 0. x may alias e.
 void exponentiate(const float* x, const float* root_weight, float offset, float* e, std::size_t count = k_block);
 /// x = Σ_n weight[n] s[n].

@@ -7,7 +7,7 @@ namespace SRBF_NAMESPACE {
 
 /// Between the stages, f cosθl cosθv of a fit may reach this multiple of the largest measured value. The documented
 /// limit after rounding is twice that value.
-inline constexpr double k_most_excess = 1.6;
+inline constexpr double k_max_excess = 1.6;
 /// Initial cost, relative to the loss, of exceeding the bound by the largest measured value.
 inline constexpr double k_excess_weight = 0.005;
 /// The cost grows by this factor where the fit still exceeds the bound after another round.
@@ -21,7 +21,7 @@ double bound_cosines(Vec3f wl, Vec3f wv);
 double largest_measured(const Observations& observations);
 
 /// Indices, in ascending order, of the observations from `first` on, including bound pairs, at which f of `model`
-/// times `bound_cosines` exceeds `k_most_excess` times `largest`.
+/// times `bound_cosines` exceeds `k_max_excess` times `largest`.
 std::vector<std::size_t> exceeded_pairs(const Observations& observations, std::size_t first, const PmModel& model,
                                         double largest);
 
@@ -33,6 +33,6 @@ double bound_weight(const Observations& observations, std::size_t i, double loss
 
 /// Turns bound pairs that `model` exceeds into observations, and raises the weight of earlier ones that it still
 /// exceeds. `first` is the index of the first of them. Returns their number.
-std::size_t add_exceeded_pairs(Observations& observations, std::size_t first, const PmModel& model, double loss);
+std::size_t promote_exceeded_pairs(Observations& observations, std::size_t first, const PmModel& model, double loss);
 
 }  // namespace srbf

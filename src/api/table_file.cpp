@@ -1,4 +1,4 @@
-#include "any/table_file.h"
+#include "api/table_file.h"
 
 #include "base/errors.h"
 

@@ -1,6 +1,6 @@
-"""Pages, help texts and messages have none of the terms of terms.csv: python3 test/terms.py FOLDER.
+"""Pages, help texts and messages have none of the terms of words.csv: python3 test/words.py FOLDER.
 
-A line of terms.csv is a regular expression, of words, and what to write instead. Searched are the prose of the documentation, what
+A line of words.csv is a regular expression, of words, and what to write instead. Searched are the prose of the documentation, what
 programs print or show (strings of C++, and the text of web pages, scripts and the Python package) and comments of C++ and GLSL, which also
 begin with a subject, not with "Of", "What", "Whether" or "The same". `code` and blocks of code are not prose.
 """
@@ -50,7 +50,7 @@ def comments(path):
     return [" ".join(re.sub(r"`[^`]*`", "", block).split()) for block in blocks.split("\f") if block.strip()]
 
 
-with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "terms.csv"), encoding="utf-8") as file:
+with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "words.csv"), encoding="utf-8") as file:
     terms = [(re.compile(rf"\b(?:{row['term']})", flags=re.I), row["instead"]) for row in csv.DictReader(file)]
 searched = [(page, prose(page)) for page in documents(folder)]
 searched += [(path, strings(path)) for where in ("app", "extras", "src") for path in files(where, ".cpp", ".h")]

@@ -1,4 +1,4 @@
-#include "observe/bound.h"
+#include "observe/excess.h"
 
 #include <algorithm>
 
@@ -9,7 +9,7 @@
 namespace SRBF_NAMESPACE {
 
 double bound_cosines(Vec3f wl, Vec3f wv) {
-    return std::max(double(wl.z), k_brink_cosine) * std::max(double(wv.z), k_brink_cosine);
+    return std::max(double(wl.z), k_grazing_cosine) * std::max(double(wv.z), k_grazing_cosine);
 }
 
 double largest_measured(const Observations& observations) {
@@ -26,7 +26,7 @@ std::vector<std::size_t> exceeded_pairs(const Observations& observations, std::s
     evaluator(model)(wl.subspan(first), wv.subspan(first), f);
     std::vector<std::size_t> where;
     for (std::size_t i = first; i < wl.size(); ++i)
-        if (largest_of(f[i - first]) * bound_cosines(wl[i], wv[i]) > k_most_excess * largest) where.push_back(i);
+        if (largest_of(f[i - first]) * bound_cosines(wl[i], wv[i]) > k_max_excess * largest) where.push_back(i);
     return where;
 }
 
@@ -40,7 +40,7 @@ double bound_weight(const Observations& observations, std::size_t i, double loss
     return k_excess_weight * loss * elementary::square(bound_cosines(observations.wl[i], observations.wv[i]) / largest);
 }
 
-std::size_t add_exceeded_pairs(Observations& observations, std::size_t first, const PmModel& model, double loss) {
+std::size_t promote_exceeded_pairs(Observations& observations, std::size_t first, const PmModel& model, double loss) {
     const double largest = largest_measured(observations);
     const std::vector<std::size_t> where = exceeded_pairs(observations, first, model, largest);
     for (const std::size_t i : where) {

@@ -1,7 +1,7 @@
-"""The table of docs/paper.md that shows what each term of the default objective adds: python3 paper/terms.py [PROGRAM FILE... | --check]
+"""The table of docs/paper.md that shows what each term of the default objective adds: python3 paper/ablation.py [PROGRAM FILE... | --check]
 
 PROGRAM is `srbf` with paper/times.patch, by which the environment variable SRBF_TIMES multiplies constants. Fits each FILE with each
-setting and seed, and adds the rows that docs/terms.csv lacks. Then, and without arguments, writes the table from the rows.
+setting and seed, and adds the rows that docs/ablation.csv lacks. Then, and without arguments, writes the table from the rows.
 """
 import csv
 import os
@@ -11,7 +11,7 @@ import sys
 import comparison
 from fit_reports import material_of, report_of_fit, reports_of_fits
 
-CSV = os.path.join(comparison.HERE, "..", "docs", "terms.csv")
+CSV = os.path.join(comparison.HERE, "..", "docs", "ablation.csv")
 SEEDS = range(3)
 WITHOUT = "highlights=1e-9 peaks=1e-9 albedos=1e-9 pixels=1e-9"
 # Rows of the table, and their settings of SRBF_TIMES.
@@ -23,7 +23,7 @@ TERMS = {
     "without albedos": "albedos=1e-9",
     "without cube roots and peaks of highlights": "highlights=1e-9 peaks=1e-9",
 }
-# Columns of docs/terms.csv, with their numbers in a report. Errors with `mean_` are against the reciprocal mean, the others against the file.
+# Columns of docs/ablation.csv, with their numbers in a report. Errors with `mean_` are against the reciprocal mean, the others against the file.
 ERRORS = {
     "delta_e_itp": lambda outcome: outcome["pictures"]["delta_e_itp"],
     "rms": lambda outcome: outcome["pictures"]["rms"],
@@ -67,7 +67,7 @@ def add_rows(program, paths):
             file.flush()
 
 
-def terms_table(rows):
+def ablation_table(rows):
     """Means over the files: the least and the largest of the seeds."""
     materials, lines = sorted({name for name, _, _ in rows}), []
     for name, setting in TERMS.items():
@@ -85,7 +85,7 @@ def main():
         add_rows(sys.argv[1], sys.argv[2:])
     with open(comparison.PAPER, encoding="utf-8") as file:
         page = file.read()
-    comparison.write_or_check({comparison.PAPER: comparison.replace_table(page, "terms", terms_table(read()))}, "terms", "paper/terms.py")
+    comparison.write_or_check({comparison.PAPER: comparison.replace_table(page, "terms", ablation_table(read()))}, "ablation", "paper/ablation.py")
 
 
 if __name__ == "__main__":

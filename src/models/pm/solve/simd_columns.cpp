@@ -1,10 +1,10 @@
-#include "models/pm/solve/columns.h"
+#include "models/pm/solve/simd_columns.h"
 
 #include <algorithm>
 #include <limits>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "models/pm/solve/columns.cpp"
+#define HWY_TARGET_INCLUDE "models/pm/solve/simd_columns.cpp"
 #include <hwy/foreach_target.h>
 
 #include "brdf/batch-inl.h"
@@ -41,7 +41,7 @@ HWY_INLINE Batch at_least(double least, Batch x) { return select(Batch(hn::Abs(x
 HWY_INLINE Batch without_subnormals(Batch x) { return at_least(0x1p-126, x); }
 // Smaller values of lobes are 0, so that the product of two is not subnormal if it is multiplied by k_lift, which is
 // exact.
-constexpr double k_least_lobe = 0x1p-93, k_lift = 0x1p60;
+constexpr double k_min_lobe = 0x1p-93, k_lift = 0x1p60;
 
 float exponent(std::span<const float> weight, std::span<const float* const> s, const float* root_weight, float* x,
                std::size_t count) {
@@ -55,9 +55,9 @@ float exponent(std::span<const float> weight, std::span<const float* const> s, c
 }
 
 void exponentiate(const float* x, const float* root_weight, float offset, float* e, std::size_t count) {
-    const Batch shift{double(offset)}, most{k_most_exponent};
+    const Batch shift{double(offset)}, most{k_max_exponent};
     for (std::size_t i = 0; i < count; i += Batch::size())
-        at_least(k_least_lobe, Batch::load(root_weight + i) * exp(min(Batch::load(x + i) - shift, most))).store(e + i);
+        at_least(k_min_lobe, Batch::load(root_weight + i) * exp(min(Batch::load(x + i) - shift, most))).store(e + i);
 }
 
 void combine(std::span<const float> weight, std::span<const float* const> s, float* x, std::size_t count) {

@@ -15,7 +15,7 @@ namespace srbf::command_test {
 namespace {
 
 /// Tests that use a saved random model, because a fit would take a minute under sanitizers.
-class Command : public CommandLine {
+class Command : public ProgramTest {
   protected:
     static void SetUpTestSuite() {
         fitted = std::make_unique<TemporaryFolder>();

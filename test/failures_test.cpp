@@ -36,7 +36,7 @@ std::string text(const Failure& failure) {
 
 std::string hash_of(const std::string& bytes) { return srbf::hash_of(std::as_bytes(std::span(bytes))); }
 
-class Failures : public CommandLine {
+class Failures : public ProgramTest {
   protected:
     void SetUp() override {
         write_text(folder / "a.binary", small_merl());

@@ -16,7 +16,7 @@ namespace {
 class FitCommand : public SmallFit {
     void SetUp() override { SKIP_UNDER_SANITIZERS("fits take too long"); }
 };
-using FitTarget = CommandLine;
+using FitTarget = ProgramTest;
 
 TEST_F(FitCommand, WritesModelPictureAndReport) {
     ASSERT_EQ(first.status, 0) << first.err;

@@ -47,7 +47,7 @@ std::int64_t peak_memory(const TemporaryFolder& folder, const Arguments& argumen
     return std::int64_t(usage.ru_maxrss) * 1024;
 }
 
-using Hostile = CommandLine;
+using Hostile = ProgramTest;
 
 /// Many parts of a few bytes, each of which a library or a reader might store as an object.
 TEST_F(Hostile, SmallPartsStayWithinTheMemoryLimit) {

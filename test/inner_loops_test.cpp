@@ -44,7 +44,7 @@ class InnerLoops : public testing::TestWithParam<Target> {
   protected:
     const OneTarget target_{GetParam()};
     const Observations observations_ = random_observations();
-    const Rows rows_{observations_};
+    const PackedObservations rows_{observations_};
     std::mt19937_64 random_{2};
 };
 INSTANTIATE_TEST_SUITE_P(EachTarget, InnerLoops, testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
@@ -71,11 +71,11 @@ TEST_P(InnerLoops, RowsContainTheObservationsWithoutBoundPairs) {
     }
     Observations few = observations_;
     few.bound_pairs = few.f.size() - k_block;
-    EXPECT_EQ(Rows(few).blocks, 1u);
+    EXPECT_EQ(PackedObservations(few).blocks, 1u);
     few.bound_pairs -= 1;
-    EXPECT_EQ(Rows(few).blocks, 2u);
+    EXPECT_EQ(PackedObservations(few).blocks, 2u);
     few.bound_pairs = few.f.size();
-    EXPECT_EQ(Rows(few).blocks, 0u);
+    EXPECT_EQ(PackedObservations(few).blocks, 0u);
 }
 
 TEST_P(InnerLoops, WeightsOfRowsSumToOne) {
@@ -189,7 +189,7 @@ TEST_P(InnerLoops, ExponentIsTheWeightedSumAndItsMaximumSkipsWeightsOfZero) {
     const auto s = column(random_);
     const float* const columns[] = {s.data()};
     Aligned<float> x(k_block);
-    EXPECT_EQ(exponent(std::vector{1.f}, columns, Rows(idle).root_weight.data(), x.data(), k_block),
+    EXPECT_EQ(exponent(std::vector{1.f}, columns, PackedObservations(idle).root_weight.data(), x.data(), k_block),
               std::numeric_limits<float>::lowest());
 }
 
@@ -284,7 +284,7 @@ TEST_P(InnerLoops, AddGramAddsProductsUpToTheDiagonal) {
 }
 
 /// The results of all loops for one set of random columns.
-std::vector<double> all_results(const Rows& rows) {
+std::vector<double> all_results(const PackedObservations& rows) {
     std::mt19937_64 random(3);
     std::vector<double> results;
     std::vector<Aligned<float>> columns;
@@ -310,7 +310,7 @@ std::vector<double> all_results(const Rows& rows) {
 }
 
 TEST(InnerLoops, LoopsHaveTheSameBitsWithAllInstructionSets) {
-    const Rows rows(random_observations());
+    const PackedObservations rows(random_observations());
     const auto expected = all_results(rows);
     for (const Target target : hwy::SupportedAndGeneratedTargets()) {
         const OneTarget one(target);

@@ -100,7 +100,7 @@ const std::set<std::string> k_tried_once{
 const std::set<std::pair<std::string, std::string>> k_without_effect_in_mode{
     {"fit with a target ΔE", "--no-axial"}, {"convert to MERL", "--exchange"}, {"render a room", "--lights"}};
 
-class Options : public CommandLine {
+class Options : public ProgramTest {
   protected:
     void SetUp() override {
         static std::map<std::string, std::string> input_files;  // created once

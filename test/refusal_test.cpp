@@ -6,7 +6,7 @@
 namespace srbf::refusal_test {
 namespace {
 
-using Refusal = CommandLine;
+using Refusal = ProgramTest;
 
 TEST_F(Refusal, SpectraOfColoursAreRefused) {
     write_text(folder / "pairs.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n");

@@ -12,7 +12,7 @@
 namespace srbf::round_trip_test {
 namespace {
 
-class RoundTrip : public CommandLine {
+class RoundTrip : public ProgramTest {
   protected:
     void SetUp() override {
         write_text(folder / "pairs.csv",

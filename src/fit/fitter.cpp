@@ -162,7 +162,7 @@ Result<FitOutcome> draft_of_table(FittedData& data, const FitRequest& request, c
     if (!observed) return observed.error();
     PmFitOptions options = lobe_options(data, request);
     options.starts = k_draft_starts, options.perturbations = 0;
-    auto fitted = fit_pm(first_pairs(**observed, k_draft_pairs), options, rest->part(k_drafts_observed, 1));
+    auto fitted = fit_pm(first_pairs(**observed, k_draft_pairs), options, rest->subrange(k_drafts_observed, 1));
     if (!fitted) return fitted.error();
     FitOutcome outcome = outcome_of(*std::move(fitted));
     describe(**observed, outcome);
@@ -179,13 +179,13 @@ Result<FitOutcome> fit_samples(FittedData& data, const FitRequest& request, cons
         return fit_to_samples(samples, *fold, nullptr, request, progress);
     const auto observed = data.sample_observations(request, progress.subrange(0, k_samples_observed));
     if (!observed) return observed.error();
-    return fit_to_samples(samples, *fold, *observed, request, progress.part(k_samples_observed, 1));
+    return fit_to_samples(samples, *fold, *observed, request, progress.subrange(k_samples_observed, 1));
 }
 
 Result<FitOutcome> draft_of_samples(FittedData& data, const FitRequest& request, const ProgressToken& progress) {
     const auto observed = data.sample_observations(request, progress.subrange(0, k_drafts_observed));
     if (!observed) return observed.error();
-    return draft_of_samples(*data.samples(), **observed, request, progress.part(k_drafts_observed, 1));
+    return draft_of_samples(*data.samples(), **observed, request, progress.subrange(k_drafts_observed, 1));
 }
 
 // ---- Both ----

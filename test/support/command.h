@@ -72,7 +72,7 @@ inline const Arguments k_quick_fit{"fit", "--model",     "su",  "--directions", 
                                    "1",   "--objective", "raw", "--threads",    "1"};
 
 /// The command line in a folder of its own.
-class CommandLine : public testing::Test {
+class ProgramTest : public testing::Test {
   protected:
     /// Runs the program in `folder`, and expects `status`, one line on standard error that contains `named`, and
     /// nothing else. Skips subcommands of extras that are not built.
@@ -93,7 +93,7 @@ class CommandLine : public testing::Test {
 };
 
 /// A small fit of bundled data, shared by several tests.
-class SmallFit : public CommandLine {
+class SmallFit : public ProgramTest {
   protected:
     static void SetUpTestSuite() {
         fitted = std::make_unique<TemporaryFolder>();

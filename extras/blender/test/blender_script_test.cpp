@@ -5,7 +5,7 @@
 namespace srbf::blender_script_test {
 namespace {
 
-class BlenderScript : public CommandLine {
+class BlenderScript : public ProgramTest {
   protected:
     void SetUp() override {
         std::mt19937_64 random(1);

@@ -11,7 +11,7 @@ namespace srbf::bsdf_command_test {
 namespace {
 
 /// A shade and a small fit to it, made once and copied into the folder of each test.
-class BsdfCommand : public CommandLine {
+class BsdfCommand : public ProgramTest {
   protected:
     static void SetUpTestSuite() {
         shared = std::make_unique<TemporaryFolder>();

@@ -11,7 +11,7 @@
 namespace srbf::map_exr_test {
 namespace {
 
-using MapExr = CommandLine;
+using MapExr = ProgramTest;
 
 constexpr std::size_t k_width = 8, k_height = 4;
 

@@ -85,7 +85,7 @@ def main():
         add_rows(sys.argv[1], sys.argv[2:])
     with open(comparison.PAPER, encoding="utf-8") as file:
         page = file.read()
-    comparison.write_or_check({comparison.PAPER: comparison.replace_table(page, "terms", ablation_table(read()))}, "ablation", "paper/ablation.py")
+    comparison.write_or_check({comparison.PAPER: comparison.replace_table(page, "ablation", ablation_table(read()))}, "ablation", "paper/ablation.py")
 
 
 if __name__ == "__main__":

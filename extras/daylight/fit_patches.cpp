@@ -131,11 +131,12 @@ class PatchFits {
             if (!fit) return fit.error();
             if (progress.cancelled()) return cancelled_error("fit");
             PmModel lobes = fit->unrounded;
-            FitOutcome outcome = outcome_of(*std::move(fit));
-            exchange(outcome.model);
-            const Evaluate fitted = evaluator(outcome.model);
+            auto outcome = outcome_of(std::move(fit));
+            if (!outcome) return outcome.error();
+            exchange(outcome->model);
+            const Evaluate fitted = evaluator(outcome->model);
             const double error = measured_.error_ratio(fitted), previous_error = best_ ? error_ : 2 * error;
-            if (error < previous_error) best_ = outcome, error_ = error;
+            if (error < previous_error) best_ = *outcome, error_ = error;
             if (initial_lobes && !(error < (1 - k_min_gain_of_round) * previous_error)) break;
             if (error < previous_error)
                 initial_lobes = std::move(lobes), values = expected_values(fitted);

@@ -54,14 +54,9 @@ Result<FitOutcome> fit_observed_samples(const ScatteredSamples& samples, const S
         const Measured measured{"", "", 0, samples};
         return fit_view_by_view(signed_evaluator(measured), request, progress);
     }
-    Result<FitOutcome> outcome = FitOutcome{};
-    if (std::holds_alternative<PmRequest>(request.model)) {
-        auto fitted = fit_pm(*observed, pm, progress);
-        if (!fitted) return fitted.error();
-        outcome = outcome_of(*std::move(fitted));
-    } else {
-        outcome = fit_by_kind(request, observed->samples, samples.isotropic, progress);
-    }
+    auto outcome = std::holds_alternative<PmRequest>(request.model)
+                       ? outcome_of(fit_pm(*observed, pm, progress))
+                       : fit_by_kind(request, observed->samples, samples.isotropic, progress);
     if (progress.cancelled()) return cancelled_error("fit");
     if (outcome) outcome->masked = observed->samples.masked, outcome->clamped = observed->samples.clamped;
     return outcome;

@@ -32,7 +32,6 @@ constexpr double k_observed = 0.1, k_samples_observed = 0.05, k_drafts_observed 
 Result<FitOutcome> fit_and_measure(Fitter fitter, const FitRequest& request, const ProgressToken& progress) {
     auto outcome = fitter.fit(request, progress.subrange(0, k_fitted));
     if (!outcome) return outcome;
-    if (const auto within = check_range(outcome->model, "fit"); !within) return within.error();
     const auto measured = fitter.measure(*outcome, request, progress.subrange(k_fitted, 1));
     return measured ? std::move(outcome) : measured.error();
 }
@@ -60,11 +59,12 @@ Result<FitOutcome> fit_view_by_view(const Evaluate& f, const FitRequest& request
     if (fitted->empty == su.directions) return no_data_error("fit", "values", "some above 0");
     if (su.index) fitted->model.index = index_texture(fitted->model, *su.index);
     const int empty = fitted->empty;
-    FitOutcome outcome = outcome_of(*std::move(fitted));
-    outcome.masked = matrix->masked;
-    outcome.clamped = matrix->clamped;
-    outcome.raw_bytes = raw_bytes(std::uint64_t(su.directions));
-    outcome.empty_directions = empty;
+    auto outcome = outcome_of(std::move(fitted));
+    if (!outcome) return outcome;
+    outcome->masked = matrix->masked;
+    outcome->clamped = matrix->clamped;
+    outcome->raw_bytes = raw_bytes(std::uint64_t(su.directions));
+    outcome->empty_directions = empty;
     return outcome;
 }
 
@@ -75,9 +75,8 @@ Result<FitOutcome> fit_by_kind(const FitRequest& request, const Observations& ob
             if constexpr (std::same_as<R, PmRequest> || std::same_as<R, SuRequest>) {
                 misused("a fit to observations alone");
             } else {
-                auto fit = Kind<typename R::Model>::fit(observations, kind, {is_isotropic, request.threads}, progress);
-                if (!fit) return fit.error();
-                return outcome_of(*std::move(fit));
+                return outcome_of(
+                    Kind<typename R::Model>::fit(observations, kind, {is_isotropic, request.threads}, progress));
             }
         },
         request.model);
@@ -103,11 +102,11 @@ Result<FitOutcome> fit_first_size(const FittedData& data, const Observations& ob
     for (const int lobes : k_tried_lobes) {
         options.lobes = lobes;
         const double next = done + (1 - done) / 2;  // each takes about as long as all smaller ones
-        auto fitted = fit_pm(observations, options, progress.subrange(done, next));
+        auto fitted = outcome_of(fit_pm(observations, options, progress.subrange(done, next)));
         if (!fitted) return fitted.error();
         if (progress.cancelled()) return cancelled_error("fit");
         done = next;
-        outcome = outcome_of(*std::move(fitted));
+        outcome = *std::move(fitted);
         const Evaluate others[] = {evaluator(outcome.model)};
         const double error =
             compare_pictures(reference, others,
@@ -127,9 +126,7 @@ Result<FitOutcome> fit_lobes(FittedData& data, const Observations& observations,
     const PmFitOptions options = lobe_options(data, request);
     if (pm.size && std::holds_alternative<AutomaticLobes>(*pm.size))
         return fit_first_size(data, observations, options, request, progress);
-    auto fitted = fit_pm(observations, options, progress);
-    if (!fitted) return fitted.error();
-    return outcome_of(*std::move(fitted));
+    return outcome_of(fit_pm(observations, options, progress));
 }
 
 /// Adds statistics of the observations.
@@ -162,10 +159,9 @@ Result<FitOutcome> draft_of_table(FittedData& data, const FitRequest& request, c
     if (!observed) return observed.error();
     PmFitOptions options = lobe_options(data, request);
     options.starts = k_draft_starts, options.perturbations = 0;
-    auto fitted = fit_pm(first_pairs(**observed, k_draft_pairs), options, rest->subrange(k_drafts_observed, 1));
-    if (!fitted) return fitted.error();
-    FitOutcome outcome = outcome_of(*std::move(fitted));
-    describe(**observed, outcome);
+    auto outcome =
+        outcome_of(fit_pm(first_pairs(**observed, k_draft_pairs), options, rest->subrange(k_drafts_observed, 1)));
+    if (outcome) describe(**observed, *outcome);
     return outcome;
 }
 

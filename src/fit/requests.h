@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "models/kind/parameters.h"
+#include "models/model_files.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
 #include "srbf/fit.h"
@@ -40,11 +41,15 @@ inline PmFitOptions pm_options(const FitRequest& request, bool axial, PmForm for
             .threads = request.threads};
 }
 
-/// The model of a fit, and why its search stopped.
-template <typename Fit> FitOutcome outcome_of(Fit fit) {
+/// The model of a fit, and why its search stopped. Returns an error if the fit has one, or if a number is too large for a
+/// file.
+template <typename Fit> Result<FitOutcome> outcome_of(Result<Fit> fit) {
+    if (!fit) return fit.error();
     FitOutcome outcome;
-    outcome.model.model = std::move(fit.model);
-    if constexpr (requires { fit.stop; }) outcome.stop = fit.stop;
+    outcome.model.model = std::move(fit->unrounded);
+    if (const auto within = check_range(outcome.model, "fit"); !within) return within.error();
+    outcome.model.model = std::move(fit->model);
+    if constexpr (requires { fit->stop; }) outcome.stop = fit->stop;
     return outcome;
 }
 

@@ -260,7 +260,7 @@ Result<Done> check_range(const Model& model, const std::string& source) {
     const double largest = largest_number(model);
     if (!(largest > double(k_half_max))) return Done{};
     return input_error(source, "coefficient", fmt::format("at most {:g}, the largest 16-bit float", k_half_max),
-                       std::isinf(largest) ? "a larger one" : fmt::format("{:.6g}", largest));
+                       fmt::format("{:.6g}", largest));
 }
 
 Result<Done> save_model(const Model& model, const std::string& path) {

@@ -44,7 +44,7 @@ template <typename Action> bool fails(std::size_t at, const Action& action) {
 }
 
 /// Trying every allocation takes quadratic time: after the first ones, only every k_step-th fails.
-constexpr std::size_t k_step = 61;
+constexpr std::size_t k_step = 127;
 
 TEST(Allocations, FailuresEndAReader) {
     const auto folders = corpora();

@@ -256,7 +256,7 @@ TEST_F(Report, KeepsStudiesOfTheSameInputAndOptionsAlone) {
     const TemporaryFolder other;
     fs::copy(*folder / "nickel.binary", other / "nickel.binary");
     write_text(other / "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 2\nf 1 2 3\nf 1 2 4\n# a\n");
-    const Arguments base{"report", "nickel.binary", "-o", "o", "--least"};
+    const Arguments base{"report", "nickel.binary", "-o", "o", "--least", "--mesh", "m.obj"};
     const auto studies_after = [&](const Arguments& more) {
         run_ok(other, base + more);
         return completed_folders(other / "o");
@@ -267,16 +267,15 @@ TEST_F(Report, KeepsStudiesOfTheSameInputAndOptionsAlone) {
     EXPECT_EQ(studies_after({"--threads", "1", "--jobs", "1"}), first_studies);
     EXPECT_TRUE(files_of(*first_studies.begin()) == expected);
     EXPECT_EQ(studies_after({"--up", "z"}).size(), 2u);
-    EXPECT_EQ(studies_after({"--mesh", "m.obj"}).size(), 3u);
     for (const char* file : {"m.obj", "nickel.binary"}) {
         std::string content = read_text(other / file);
         content[content.size() - 2] = char(content[content.size() - 2] ^ 1);
         write_text(other / file, content);
-        EXPECT_EQ(studies_after({"--mesh", "m.obj"}).size(), file[0] == 'm' ? 4u : 5u);
+        EXPECT_EQ(studies_after({}).size(), file[0] == 'm' ? 3u : 4u);
     }
     fs::copy(other / "nickel.binary", other / "matt.binary");
     run_ok(other, {"report", "matt.binary", "-o", "o", "--least"});
-    EXPECT_EQ(completed_folders(other / "o").size(), 6u);
+    EXPECT_EQ(completed_folders(other / "o").size(), 5u);
 }
 
 TEST_F(Report, RefusesInputItCannotUse) {

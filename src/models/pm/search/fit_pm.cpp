@@ -156,7 +156,7 @@ class StagedSearch {
         for (const Perturbations& stage : all) {
             keep(count_of(stage, options_));
             add_exceeded_pairs();
-            for_candidates(subsets_.rows(some.pairs, {}), [&](LobeProblem& problem, Candidate& candidate) {
+            for_candidates(subsets_.rows(stage.pairs, {}), [&](LobeProblem& problem, Candidate& candidate) {
                 srbf::perturb(problem, options_, until(stage, options_), candidate, reporter_);
             });
         }

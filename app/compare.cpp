@@ -19,11 +19,11 @@ struct CompareCommand {
     int threads = 0;
 
     int run() const;
-    int run_on_parts(const Subject& a, const Subject& b, double theta) const;
+    int run_on_parts(const LoadedFile& a, const LoadedFile& b, double theta) const;
 };
 
 /// The names of the parts that the subject has.
-std::string parts_text(const Subject& subject) {
+std::string parts_text(const LoadedFile& subject) {
     std::vector<std::string_view> names;
     for (std::size_t p = 0; p < k_parts; ++p)
         if (has_part(subject.content, Part(p))) names.push_back(name(Part(p)));
@@ -31,7 +31,7 @@ std::string parts_text(const Subject& subject) {
 }
 
 /// Compares each part that both have. Beams of unscattered light are not a part of f and enter no measure.
-int CompareCommand::run_on_parts(const Subject& a, const Subject& b, double theta) const {
+int CompareCommand::run_on_parts(const LoadedFile& a, const LoadedFile& b, double theta) const {
     Json report{{"reference", reference}, {"other", other}, {"max_theta", theta}};
     bool has_common_part = false;
     for (std::size_t p = 0; p < k_parts; ++p) {
@@ -61,9 +61,9 @@ int CompareCommand::run_on_parts(const Subject& a, const Subject& b, double thet
 }
 
 int CompareCommand::run() const {
-    const auto a = load_subject(reference, read);
+    const auto a = load_file(reference, read);
     if (!a) return complain(a.error());
-    const auto b = load_subject(other);
+    const auto b = load_file(other);
     if (!b) return complain(b.error());
 
     const auto writable = check_outputs({reference, other}, {json == "-" ? "" : json});

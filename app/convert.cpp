@@ -20,11 +20,11 @@ struct ConvertCommand {
     bool exchange = false, smooth = false, rgb_alone = false, chooses_directions = false;
 
     int run() const;
-    Result<Measured> smoothed(const Subject& subject) const;
-    Result<std::vector<std::byte>> converted(const Subject& subject) const;
+    Result<Measured> smoothed(const LoadedFile& subject) const;
+    Result<std::vector<std::byte>> converted(const LoadedFile& subject) const;
 };
 
-std::string description_of(const Subject& subject) {
+std::string description_of(const LoadedFile& subject) {
     const auto* measured = std::get_if<Measured>(&subject.content);
     if (measured && std::holds_alternative<ScatteredSamples>(measured->table))
         return std::get<ScatteredSamples>(measured->table).description;
@@ -34,7 +34,7 @@ std::string description_of(const Subject& subject) {
 }
 
 /// The table without its noise, as fits see it, in the layout of MBSDF, which holds values below 0.
-Result<Measured> ConvertCommand::smoothed(const Subject& subject) const {
+Result<Measured> ConvertCommand::smoothed(const LoadedFile& subject) const {
     const auto* measured = std::get_if<Measured>(&subject.content);
     if (!measured || !is_isotropic(*measured))
         return Error{
@@ -53,7 +53,7 @@ Result<Measured> ConvertCommand::smoothed(const Subject& subject) const {
     return Measured{measured->source, "smoothed", 0, to_mbsdf(*quiet, options)};
 }
 
-Result<std::vector<std::byte>> ConvertCommand::converted(const Subject& subject) const {
+Result<std::vector<std::byte>> ConvertCommand::converted(const LoadedFile& subject) const {
     const auto* measured = std::get_if<Measured>(&subject.content);
     const Format& format = *format_written_to(output);
     if (chooses_directions && measured && std::holds_alternative<ScatteredSamples>(measured->table))
@@ -73,7 +73,7 @@ Result<std::vector<std::byte>> ConvertCommand::converted(const Subject& subject)
 }
 
 int ConvertCommand::run() const {
-    auto subject = load_subject(input, read);
+    auto subject = load_file(input, read);
     if (!subject) return complain(subject.error());
     if (exchange) std::visit([](auto& content) { srbf::exchange(content); }, subject->content);
     if (const auto writable = check_outputs({input}, {output}); !writable) return complain(writable.error());

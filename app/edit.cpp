@@ -46,7 +46,7 @@ std::vector<Edit> EditCommand::edits() const {
 
 /// The model in a file.
 Result<Model> model_in(const std::string& path) {
-    auto subject = load_subject(path);
+    auto subject = load_file(path);
     if (!subject) return subject.error();
     if (auto* model = std::get_if<Model>(&subject->content)) return std::move(*model);
     return Error{path, {}, "input", "a model", "a measurement: fit it first", ErrorCode::wrong_kind};
@@ -72,13 +72,13 @@ int EditCommand::run() {
     line.clear();
     if (const auto* pm = std::get_if<PmModel>(&model->model); pm && result) {
         std::string body_lobes;
-        const std::vector<double> shares = body_shares(*pm);
-        for (std::size_t j = 0; j < shares.size(); ++j)
-            if (shares[j] > 0)
+        const std::vector<double> fractions = body_fractions(*pm);
+        for (std::size_t j = 0; j < fractions.size(); ++j)
+            if (fractions[j] > 0)
                 body_lobes +=
-                    fmt::format(" {}{}", j + 1, shares[j] < 1 ? fmt::format(" ({:.0f} %)", 100 * shares[j]) : "");
+                    fmt::format(" {}{}", j + 1, fractions[j] < 1 ? fmt::format(" ({:.0f} %)", 100 * fractions[j]) : "");
         fmt::print("body: {} of {}; the other lobes are the highlight\n",
-                   body_lobes.empty() ? "none" : "lobe" + body_lobes, shares.size());
+                   body_lobes.empty() ? "none" : "lobe" + body_lobes, fractions.size());
         if (const auto at = result->provenance.find("limited"); at != result->provenance.end())
             fmt::print("limited: {}\n", at->second);
     }

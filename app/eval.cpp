@@ -20,7 +20,7 @@ std::string header_of(const Channels& brdf) {
 }
 
 /// The rows of CSV with the pairs and their values.
-std::string csv_rows(const Channels& brdf, const Pairs& pairs) {
+std::string csv_rows(const Channels& brdf, const DirectionPairs& pairs) {
     const std::size_t C = brdf.count();
     std::vector<float> f(C * pairs.wl.size());
     brdf.evaluate(pairs.wl, pairs.wv, f);
@@ -34,10 +34,10 @@ std::string csv_rows(const Channels& brdf, const Pairs& pairs) {
 }
 
 int run(const std::string& file, const ReadOptions& read, const std::string& pairs_file,
-        const std::string& requested_channels, bool exchanged) {
-    auto subject = load_subject(file, read);
+        const std::string& requested_channels, bool is_exchanged) {
+    auto subject = load_file(file, read);
     if (!subject) return complain(subject.error());
-    if (exchanged) std::visit([](auto& brdf) { exchange(brdf); }, subject->content);
+    if (is_exchanged) std::visit([](auto& brdf) { exchange(brdf); }, subject->content);
     if (requested_channels == "spectral" && wavelengths(*subject).empty())
         return complain({file, {}, "spectral channels", "a measurement or a model at wavelengths", "one of colours"});
     const bool spectral = requested_channels == "spectral" || (requested_channels.empty() && subject->is_model());

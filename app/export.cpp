@@ -43,16 +43,16 @@ std::vector<std::string> keys_of(const std::string& name, const Model& model) {
 
 /// Names models after their files. Files whose names differ only in capitals and underscores get numbers; a
 /// numbered name never equals the name of another file.
-std::vector<NamedModel> names_of(const std::vector<Subject>& models) {
+std::vector<NamedModel> names_of(const std::vector<LoadedFile>& models) {
     std::vector<NamedModel> named;
     std::set<std::string> taken, file_keys;
     const auto are_in = [](const std::set<std::string>& names, const std::vector<std::string>& keys) {
         return std::ranges::any_of(keys, [&](const std::string& key) { return names.contains(key); });
     };
-    for (const Subject& subject : models)
+    for (const LoadedFile& subject : models)
         for (const auto& key : keys_of(identifier(stem_of(subject.path)), std::get<Model>(subject.content)))
             file_keys.insert(key);
-    for (const Subject& subject : models) {
+    for (const LoadedFile& subject : models) {
         const Model& model = std::get<Model>(subject.content);
         const std::string name = identifier(stem_of(subject.path));
         std::string unique = name;
@@ -79,79 +79,81 @@ std::vector<NamedModel> with_parts(const std::vector<NamedModel>& named) {
 }
 
 /// The file for the numbers of a view-by-view model.
-std::string data_path(const ExportCommand& asked, const NamedModel& model) {
-    return asked.beside(model.name + ".data");
+std::string data_path(const ExportCommand& command, const NamedModel& model) {
+    return command.beside(model.name + ".data");
 }
 
 NewFile file_of(const std::string& path, std::span<const std::byte> bytes) {
     return {path, {bytes.begin(), bytes.end()}};
 }
 
-std::vector<std::byte> texture_of(const ExportCommand& asked, const TexelMap& map) {
-    return map_ktx2(map, asked.coefficients == "byte" ? LayerNumbers::bytes : LayerNumbers::halves);
+std::vector<std::byte> texture_of(const ExportCommand& command, const TexelMap& map) {
+    return map_ktx2(map, command.coefficients == "byte" ? LayerNumbers::bytes : LayerNumbers::halves);
 }
 
-Result<Done> write_text(const ExportCommand& asked, const TextKind& kind, const TexelMap& map) {
-    const std::string name = identifier(stem_of(asked.files[0])), texture = asked.beside(name + ".ktx2");
-    std::vector<std::string> outputs{asked.output};
+Result<Done> write_text(const ExportCommand& command, const TextKind& kind, const TexelMap& map) {
+    const std::string name = identifier(stem_of(command.files[0])), texture = command.beside(name + ".ktx2");
+    std::vector<std::string> outputs{command.output};
     if (kind.has_texture) outputs.insert(outputs.begin(), texture);
-    if (const auto writable = check_outputs(asked.files, outputs); !writable) return writable;
+    if (const auto writable = check_outputs(command.files, outputs); !writable) return writable;
     return within_memory(texture, [&]() -> Result<Done> {
         std::vector<NewFile> files;
-        if (kind.has_texture) files.push_back({texture, texture_of(asked, map)});
-        const auto text = kind.map(asked, map, name);
+        if (kind.has_texture) files.push_back({texture, texture_of(command, map)});
+        const auto text = kind.map(command, map, name);
         if (!text) return text.error();
-        files.push_back(file_of(asked.output, as_bytes(*text)));
+        files.push_back(file_of(command.output, as_bytes(*text)));
         return write_files(files);
     });
 }
 
-Result<Done> write_text(const ExportCommand& asked, const TextKind& kind, const std::vector<Subject>& models) {
-    if (!asked.coefficients.empty())
-        return Error{asked.files[0], {}, "input", "a map (--coefficients)", "a model", ErrorCode::argument};
+Result<Done> write_text(const ExportCommand& command, const TextKind& kind, const std::vector<LoadedFile>& models) {
+    if (!command.coefficients.empty())
+        return Error{command.files[0], {}, "input", "a map (--coefficients)", "a model", ErrorCode::argument};
     const std::vector<NamedModel> models_by_name = names_of(models), brdfs = with_parts(models_by_name);
-    std::vector<std::string> outputs{asked.output};
+    std::vector<std::string> outputs{command.output};
     std::vector<NewFile> files;
     for (const NamedModel& brdf : brdfs)
         if (const auto* su = std::get_if<SuModel>(&brdf.model->model)) {
-            outputs.push_back(data_path(asked, brdf));
+            outputs.push_back(data_path(command, brdf));
             files.push_back(file_of(outputs.back(), std::as_bytes(std::span<const float>(shading_data(*su)))));
         }
-    if (const auto writable = check_outputs(asked.files, outputs); !writable) return writable;
+    if (const auto writable = check_outputs(command.files, outputs); !writable) return writable;
     const std::vector<NamedModel>& named = kind.by_part ? brdfs : models_by_name;
-    const auto text = kind.models(asked, named, named.size() == 1 ? named[0].name : identifier(stem_of(asked.output)));
+    const auto text =
+        kind.models(command, named, named.size() == 1 ? named[0].name : identifier(stem_of(command.output)));
     if (!text) return text.error();
-    files.push_back(file_of(asked.output, as_bytes(*text)));
+    files.push_back(file_of(command.output, as_bytes(*text)));
     return write_files(files);
 }
 
-int write_text(const ExportCommand& asked, const TextKind& kind) {
-    const auto loaded = load_models_or_map(asked.files);
+int write_text(const ExportCommand& command, const TextKind& kind) {
+    const auto loaded = load_models_or_map(command.files);
     if (!loaded) return complain(loaded.error());
     const auto* map = std::get_if<TexelMap>(&*loaded);
-    if (!map) return status_of(write_text(asked, kind, std::get<std::vector<Subject>>(*loaded)));
-    return kind.map ? status_of(write_text(asked, kind, *map)) : complain(map_error(asked.files[0]));
+    if (!map) return status_of(write_text(command, kind, std::get<std::vector<LoadedFile>>(*loaded)));
+    return kind.map ? status_of(write_text(command, kind, *map)) : complain(map_error(command.files[0]));
 }
 
-int write_texture(const ExportCommand& asked) {
-    const auto map = load_map(asked);
+int write_texture(const ExportCommand& command) {
+    const auto map = load_map(command);
     if (!map) return complain(map.error());
-    return status_of(within_memory(asked.output, [&] { return write_file(asked.output, texture_of(asked, *map)); }));
+    return status_of(
+        within_memory(command.output, [&] { return write_file(command.output, texture_of(command, *map)); }));
 }
 
 /// The text of one surface; prints its visible error.
-Result<std::string> surface(const ExportCommand& asked, const std::vector<NamedModel>& named) {
+Result<std::string> surface(const ExportCommand& command, const std::vector<NamedModel>& named) {
     if (named.size() != 1)
-        return Error{asked.output, {}, "models", "one surface", std::to_string(named.size()), ErrorCode::argument};
-    auto text = surface_file(asked.to, named[0]);
+        return Error{command.output, {}, "models", "one surface", std::to_string(named.size()), ErrorCode::argument};
+    auto text = surface_file(command.to, named[0]);
     const auto& provenance = named[0].model->provenance;
     const auto heldout = provenance.find("heldout_delta_e_itp");
     if (const auto entry = provenance.find("delta_e_itp"); text && entry != provenance.end())
         fmt::print(
-            "{}: ΔE_ITP {} against the measurement, as srbf draws it{}\n", printable(asked.output),
+            "{}: ΔE_ITP {} against the measurement, as srbf draws it{}\n", printable(command.output),
             printable(entry->second),
             heldout != provenance.end() ? fmt::format(", {} in cross-validation", printable(heldout->second)) : "");
-    const std::string parameters = asked.to == "glb" ? "gltf" : asked.to;
+    const std::string parameters = command.to == "glb" ? "gltf" : command.to;
     const auto fitted = provenance.find("surface");
     const bool lacks_some = parameters == "gltf" || parameters == "principled";
     if (text && lacks_some && fitted != provenance.end() && fitted->second != parameters)
@@ -160,8 +162,8 @@ Result<std::string> surface(const ExportCommand& asked, const std::vector<NamedM
     return text;
 }
 
-CodeOptions code_options(const ExportCommand& asked, CodeLanguage language) {
-    CodeOptions options{.language = language, .with = asked.with};
+CodeOptions code_options(const ExportCommand& command, CodeLanguage language) {
+    CodeOptions options{.language = language, .with = command.with};
     options.sampling = std::erase(options.with, "sampling") > 0,
     options.albedo = std::erase(options.with, "albedo") > 0, options.blend = std::erase(options.with, "blend") > 0;
     return options;
@@ -177,13 +179,13 @@ bool is_code(const std::string& kind) { return code_language_named(kind).has_val
 std::vector<TextKind> text_kinds() {
     std::vector<TextKind> kinds;
     for (const CodeLanguageRow& row : k_code_languages) {
-        const auto options = [language = row.language](const auto& asked) { return code_options(asked, language); };
+        const auto options = [language = row.language](const auto& command) { return code_options(command, language); };
         kinds.push_back(
             {std::string(row.name), "", false,
-             [=](const auto& asked, const auto& models, auto& prefix) {
-                 return shading_code(models, prefix, options(asked));
+             [=](const auto& command, const auto& models, auto& prefix) {
+                 return shading_code(models, prefix, options(command));
              },
-             [=](const auto& asked, const auto& map, auto& name) { return map_code(map, name, options(asked)); }});
+             [=](const auto& command, const auto& map, auto& name) { return map_code(map, name, options(command)); }});
     }
     for (const CodeModule& row : code_modules()) {
         TextKind kind{std::string(row.name), std::string(row.summary), row.by_part,
@@ -197,7 +199,7 @@ std::vector<TextKind> text_kinds() {
     }
     for (const std::string_view name : k_surface_files)
         kinds.push_back({std::string(name), "", false,
-                         [](const auto& asked, const auto& models, auto&) { return surface(asked, models); }});
+                         [](const auto& command, const auto& models, auto&) { return surface(command, models); }});
     return kinds;
 }
 
@@ -223,7 +225,8 @@ Exports core_exports() {
     Exports exports{{}, about_code(), {}};
     for (TextKind& kind : text_kinds()) {
         if (!kind.about.empty()) exports.about += "\n" + kind.name + ": " + kind.about;
-        exports.kinds.push_back({kind.name, [kind](const ExportCommand& asked) { return write_text(asked, kind); }});
+        exports.kinds.push_back(
+            {kind.name, [kind](const ExportCommand& command) { return write_text(command, kind); }});
     }
     exports.kinds.push_back({"ktx2", write_texture});
     exports.about += std::string("\n") + k_about_others;
@@ -237,34 +240,34 @@ std::string ExportCommand::beside(const std::string& name) const {
 }
 
 Result<ModelsOrMap> load_models_or_map(const std::vector<std::string>& files) {
-    std::vector<Subject> models;
+    std::vector<LoadedFile> models;
     for (const std::string& file : files) {
-        auto loaded = load_subject_or_map(file);
+        auto loaded = load_file_or_map(file);
         if (!loaded) return loaded.error();
         if (auto* map = std::get_if<TexelMap>(&*loaded)) {
             if (files.size() > 1) return map_error(file);
             if (const auto valid = check_layers(*map, file); !valid) return valid.error();
             return ModelsOrMap(std::move(*map));
         }
-        models.push_back(std::get<Subject>(*std::move(loaded)));
+        models.push_back(std::get<LoadedFile>(*std::move(loaded)));
         if (!models.back().is_model()) return Error{file, {}, "input", "a model", "a measurement (see --reference)"};
     }
     return ModelsOrMap(std::move(models));
 }
 
-Result<std::vector<Subject>> load_models(const std::vector<std::string>& files) {
+Result<std::vector<LoadedFile>> load_models(const std::vector<std::string>& files) {
     auto loaded = load_models_or_map(files);
     if (!loaded) return loaded.error();
-    if (auto* models = std::get_if<std::vector<Subject>>(&*loaded)) return std::move(*models);
+    if (auto* models = std::get_if<std::vector<LoadedFile>>(&*loaded)) return std::move(*models);
     return map_error(files[0]);
 }
 
-Result<TexelMap> load_map(const ExportCommand& asked) {
-    auto loaded = load_models_or_map(asked.files);
+Result<TexelMap> load_map(const ExportCommand& command) {
+    auto loaded = load_models_or_map(command.files);
     if (!loaded) return loaded.error();
     auto* map = std::get_if<TexelMap>(&*loaded);
-    if (!map) return Error{asked.files[0], {}, "input", "a map of shared lobes", "a model", ErrorCode::argument};
-    if (const auto writable = check_outputs(asked.files, {asked.output}); !writable) return writable.error();
+    if (!map) return Error{command.files[0], {}, "input", "a map of shared lobes", "a model", ErrorCode::argument};
+    if (const auto writable = check_outputs(command.files, {command.output}); !writable) return writable.error();
     return std::move(*map);
 }
 

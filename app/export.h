@@ -27,11 +27,11 @@ struct Exports {
 };
 
 /// Loads the models in the files, or the map that is the only one, and checks that it can be written as layers.
-using ModelsOrMap = std::variant<std::vector<Subject>, TexelMap>;
+using ModelsOrMap = std::variant<std::vector<LoadedFile>, TexelMap>;
 Result<ModelsOrMap> load_models_or_map(const std::vector<std::string>& files);
 /// Loads models; a map is an error.
-Result<std::vector<Subject>> load_models(const std::vector<std::string>& files);
+Result<std::vector<LoadedFile>> load_models(const std::vector<std::string>& files);
 /// Loads the map that the command line names; models are an error. Checks that the output can be written.
-Result<TexelMap> load_map(const ExportCommand& asked);
+Result<TexelMap> load_map(const ExportCommand& command);
 
 }  // namespace srbf

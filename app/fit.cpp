@@ -21,9 +21,9 @@ struct ReadFor {
 };
 
 /// Returns an error if an option was given that the fit of this measurement does not read.
-Result<Done> check_read(const Measured& measured, const FileFit& fit) {
+Result<Done> check_read(const Measured& measured, const FitJob& fit) {
     const auto* bsdf = std::get_if<BsdfTable>(&measured.table);
-    const PatchFit* patches = nullptr;
+    const PatchFitter* patches = nullptr;
     if (bsdf)
         for (const auto& part : bsdf->band().part)
             if (part && patch_fit_of(*part)) patches = patch_fit_of(*part);
@@ -48,7 +48,7 @@ Result<Done> check_read(const Measured& measured, const FileFit& fit) {
 
 }  // namespace
 
-int fit_file(FileFit fit) {
+int fit_file(FitJob fit) {
     const auto measured = load_for_fit(fit);
     if (!measured) return complain(measured.error());
     const auto writable = check_outputs(fit.files, {fit.output, fit.preview, fit.json == "-" ? "" : fit.json});
@@ -59,7 +59,10 @@ int fit_file(FileFit fit) {
     ProgressLine line;
     const auto show = line.shown_progress();
     auto outcome = srbf::fit(*measured, fit.request, show);
-    if (!outcome) return line.clear(), complain(outcome.error());
+    if (!outcome) {
+        line.clear();
+        return complain(outcome.error());
+    }
     Image8 picture;
     if (!fit.preview.empty()) {
         line.show("drawing", 1);
@@ -77,11 +80,11 @@ int fit_file(FileFit fit) {
                                [&] { return print_report(fit, *measured, *outcome); }));
 }
 
-Result<Measured> load_for_fit(FileFit& fit) {
+Result<Measured> load_for_fit(FitJob& fit) {
     const Stopwatch loading;
     std::vector<Measured> files;
     for (const std::string& name : fit.files) {
-        auto subject = load_subject(name, fit.read);
+        auto subject = load_file(name, fit.read);
         if (!subject) {
             Error error = subject.error();
             if (!files.empty()) error.source += " with " + files[0].source;
@@ -102,12 +105,12 @@ Result<Measured> load_for_fit(FileFit& fit) {
     return measured;
 }
 
-Image8 preview_of(const FileFit& fit, const Measured& measured, const Model& model) {
+Image8 preview_of(const FitJob& fit, const Measured& measured, const Model& model) {
     return preview(evaluator(measured), evaluator(model),
                    {.threads = fit.request.threads, .caption = fmt::format("fit, {} bytes", payload_bytes(model))});
 }
 
-Result<Done> write_fit(const FileFit& fit, const Model& model, const Image8& picture, const Json& report,
+Result<Done> write_fit(const FitJob& fit, const Model& model, const Image8& picture, const Json& report,
                        const std::function<Result<Done>()>& print) {
     std::vector<NewFile> files{{fit.output, write_model(model)}};
     if (!fit.preview.empty()) {

@@ -29,7 +29,7 @@ std::string sums_text(const std::vector<Hemispherical>& sums) {
     return fmt::format("{:>9.4f} {:>9}", largest, percent(relative));
 }
 
-Result<Done> print(const FileFit& fit, const Measured& measured, const BsdfOutcome& outcome) {
+Result<Done> print(const FitJob& fit, const Measured& measured, const BsdfOutcome& outcome) {
     const auto& table = std::get<BsdfTable>(measured.table);
     fmt::print("{}  ({}, {} bytes{})\n", printable(fit.input), measured.format, grouped(measured.bytes),
                table.band().name.empty() ? "" : ", " + printable(table.band().name));
@@ -53,7 +53,7 @@ Result<Done> print(const FileFit& fit, const Measured& measured, const BsdfOutco
         if (!beams[b].empty())
             fmt::print("  {:<20} {:>7}   unscattered light, {:.3g} % at 0°, stored as it is\n",
                        fmt::format("beam, {}", k_beam_names[b]), payload_bytes(beams[b]),
-                       100 * double(share_at(beams[b], {0, 0, 1}).g));
+                       100 * double(fraction_at(beams[b], {0, 0, 1}).g));
     fmt::print("\n  reflected and transmitted: at most {} of the light, measured {}\n", percent(outcome.max_fitted),
                percent(outcome.max_measured));
     fmt::print("  model     {}\n", printable(fit.output));
@@ -64,7 +64,7 @@ Result<Done> print(const FileFit& fit, const Measured& measured, const BsdfOutco
 
 }  // namespace
 
-Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& outcome) {
+Json report_of(const FitJob& fit, const Measured& measured, const BsdfOutcome& outcome) {
     Json json{{"source", fit.input},
               {"source_format", measured.format},
               {"source_bytes", measured.bytes},
@@ -100,7 +100,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& 
     return json;
 }
 
-int fit_bsdf_file(const FileFit& fit, const Measured& measured) {
+int fit_bsdf_file(const FitJob& fit, const Measured& measured) {
     ProgressLine line;
     const auto outcome = fit_bsdf(measured, fit.request, line.shown_progress());
     line.clear();

@@ -14,7 +14,7 @@ namespace {
 struct FitCommand {
     std::vector<std::string> inputs;
     FitTexts texts;
-    FileFit fit;
+    FitJob fit;
     bool resume = false, as_one = false;
 
     /// Several inputs go into a folder. A single input does if the output is a folder, as with `cp`.

@@ -64,7 +64,7 @@ std::optional<Line> line_of(const Json& report) {
 enum class State { waiting, fitted, kept, failed };
 struct FileOfMany {
     std::string name;
-    FileFit fit;
+    FitJob fit;
     State state = State::waiting;
     Line line;          ///< line of the table, if there is a model
     std::string error;  ///< message, if the fit failed
@@ -72,7 +72,7 @@ struct FileOfMany {
 
 /// Fits one file, unless an earlier result can be kept. A result is kept if its report belongs to the model and the
 /// report's key, a hash of the file's content, the options and the program's version, is the same.
-Result<State> fit_one(FileOfMany& file, const FolderFit& folder, const ProgressToken& progress) {
+Result<State> fit_one(FileOfMany& file, const FolderJob& folder, const ProgressToken& progress) {
     ResultKey result_key("model", folder.settings);
     result_key.add(system_files::path_text(system_files::path_of(file.fit.input).filename()));
     if (const auto bytes = read_input(file.fit.input, file.fit.read))
@@ -83,7 +83,10 @@ Result<State> fit_one(FileOfMany& file, const FolderFit& folder, const ProgressT
     if (folder.resume)
         if (const auto report = read_json(file.fit.json))
             if (const auto line = line_of(*report); line && report->value("key", Json()) == key)
-                if (is_report_of(*report, file.fit.output)) return file.line = *line, State::kept;
+                if (is_report_of(*report, file.fit.output)) {
+                    file.line = *line;
+                    return State::kept;
+                }
 
     const auto measured = load_for_fit(file.fit);
     if (!measured) return measured.error();
@@ -113,7 +116,7 @@ void print_line(const FileOfMany& file) {
                file.state == State::kept ? "kept" : fmt::format("{:.2f}", file.line.seconds));
 }
 
-void print_summary(const FolderFit& folder, const std::vector<FileOfMany>& materials, double seconds) {
+void print_summary(const FolderJob& folder, const std::vector<FileOfMany>& materials, double seconds) {
     const auto count = [&](State state) { return std::ranges::count(materials, state, &FileOfMany::state); };
     const auto summary = [&](const char* title, double Line::*member, bool is_ratio) {
         std::vector<double> sorted;
@@ -140,7 +143,7 @@ void print_summary(const FolderFit& folder, const std::vector<FileOfMany>& mater
 
 }  // namespace
 
-int fit_files(const FolderFit& folder) {
+int fit_files(const FolderJob& folder) {
     if (const auto made = make_folder(folder.folder); !made) return complain(made.error());
 
     std::vector<FileOfMany> materials;
@@ -152,11 +155,13 @@ int fit_files(const FolderFit& folder) {
         material.fit.input = input, material.fit.files = {input};
         material.fit.output = in_folder(folder.folder, material.name + ".srbf");
         material.fit.json = in_folder(folder.folder, material.name + ".json");
-        if (const auto [earlier, is_new] = input_of.try_emplace(material.name, input); !is_new)
-            material.state = State::failed,
+        if (const auto [earlier, is_new] = input_of.try_emplace(material.name, input); !is_new) {
+            material.state = State::failed;
             material.error = message({input, {}, "model", "a name of its own", "that of " + earlier->second});
-        else if (const auto free = check_outputs({input}, {material.fit.output, material.fit.json}); !free)
-            material.state = State::failed, material.error = message(free.error());
+        } else if (const auto free = check_outputs({input}, {material.fit.output, material.fit.json}); !free) {
+            material.state = State::failed;
+            material.error = message(free.error());
+        }
         materials.push_back(std::move(material));
     }
     // While there are enough fits, each runs on one thread.

@@ -44,7 +44,7 @@ void print_limits_of_measurement(const FitRequest& request, const FitOutcome& ou
     if (is_smoothed(outcome)) {
         fmt::print(
             "  noise     {:.0f} % of dark values; ΔE_ITP {:.3g} (worst {:.3g}) against the smoothed measurement\n",
-            100 * share_of(*outcome.noise), outcome.against_smoothed->mean.delta_e,
+            100 * fraction_of(*outcome.noise), outcome.against_smoothed->mean.delta_e,
             outcome.against_smoothed->worst_delta_e);
         if (outcome.clamped == 0)
             fmt::print(
@@ -55,7 +55,7 @@ void print_limits_of_measurement(const FitRequest& request, const FitOutcome& ou
                    limit < outcome.largest_albedo
                        ? fmt::format("the fit is held to {:g}, which adds to its error: see --albedo-limit", limit)
                        : "the fit may reflect as much");
-    if (outcome.exchanged) fmt::print("  reciprocal {}\n", reciprocity_text(*outcome.exchanged));
+    if (outcome.exchanged_errors) fmt::print("  reciprocal {}\n", reciprocity_text(*outcome.exchanged_errors));
     if (outcome.against_mean)
         fmt::print("  fitted to the mean with light and viewer exchanged: ΔE_ITP {:.3g} (worst {:.3g}) against it\n",
                    outcome.against_mean->mean.delta_e, outcome.against_mean->worst_delta_e);
@@ -66,7 +66,7 @@ double degrees(double angle) { return std::round(angle / k_degree * 1e9) / 1e9; 
 
 }  // namespace
 
-Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& outcome) {
+Json report_of(const FitJob& fit, const Measured& measured, const FitOutcome& outcome) {
     const FitRequest& request = fit.request;
     const Peak peak = peak_of(measured);
     Json json{
@@ -96,10 +96,10 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
     add_measures(json, *outcome.errors);
     json["headline"] = headline(*outcome.errors);
     if (outcome.samples) json["judged_pictures"] = json_of(headline_errors(*outcome.errors));
-    if (outcome.noise) json["noise"] = share_of(*outcome.noise);
+    if (outcome.noise) json["noise"] = fraction_of(*outcome.noise);
     if (outcome.largest_albedo > 1) json["largest_albedo"] = outcome.largest_albedo;
     if (const double limit = albedo_limit_of(request, outcome); !std::isinf(limit)) json["albedo_limit"] = limit;
-    if (outcome.exchanged) json["exchanged_pictures"] = json_of(*outcome.exchanged);
+    if (outcome.exchanged_errors) json["exchanged_pictures"] = json_of(*outcome.exchanged_errors);
     if (outcome.against_mean) json["mean_pictures"] = json_of(*outcome.against_mean);
     if (is_smoothed(outcome)) json["smoothed_pictures"] = json_of(*outcome.against_smoothed);
     if (outcome.samples) {
@@ -113,7 +113,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
     return json;
 }
 
-Result<Done> print_report(const FileFit& fit, const Measured& measured, const FitOutcome& outcome) {
+Result<Done> print_report(const FitJob& fit, const Measured& measured, const FitOutcome& outcome) {
     const FitRequest& request = fit.request;
     fmt::print("{}  ({}, {} bytes)\n", printable(fit.input), measured.format, grouped(measured.bytes));
     fmt::print("  model     {}\n", summary(outcome.model));

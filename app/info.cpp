@@ -99,7 +99,10 @@ void print_table(const ScatteredSamples& samples) {
 
 void print_table(const EvaluatedTable& table) {
     for (const auto& [name, value, colours] : table.functions->lines())
-        colours.empty() ? print_row(name, value) : print_channel_ranges(name, colours);
+        if (colours.empty())
+            print_row(name, value);
+        else
+            print_channel_ranges(name, colours);
 }
 
 void print_table(const BsdfTable& table) {
@@ -123,7 +126,7 @@ void print_table(const BsdfTable& table) {
 constexpr std::array<double, 7> k_info_theta{0, 15, 30, 45, 60, 75, 85};
 
 /// Directional albedos, and deviations from the physical laws of a BRDF.
-void print_behaviour(const Subject& subject) {
+void print_behaviour(const LoadedFile& subject) {
     const Evaluate brdf = evaluator(subject);
     fmt::print("\n  {:<18}", "θv");
     for (const double theta : k_info_theta) fmt::print("{:>9}°", theta);
@@ -166,7 +169,7 @@ void print_behaviour(const Subject& subject) {
 }
 
 /// The light that leaves a surface lit from each direction: directional-hemispherical sums of each part and its beam.
-void print_sides(const Subject& subject) {
+void print_sides(const LoadedFile& subject) {
     const Evaluate bsdf = evaluator(subject);
     const auto* measured = std::get_if<Measured>(&subject.content);
     const Beams beams = beams_of(subject.content);
@@ -183,7 +186,7 @@ void print_sides(const Subject& subject) {
         for (std::size_t i = 0; i < k_info_theta.size(); ++i) {
             const double theta = k_info_theta[i] * k_degree;
             const double sum = double(albedo(from_light, theta, k_pi / 2).g) +
-                               double(share_at(beams, part, to_float(spherical(theta, 0.0))).g);
+                               double(fraction_at(beams, part, to_float(spherical(theta, 0.0))).g);
             side_sums[std::size_t(is_back(part))][i] += sum;
             fmt::print("{:>#10.4g}", sum);
         }
@@ -219,11 +222,11 @@ void print_map(const TexelMap& map) {
 }
 
 int run(const std::string& file, const ReadOptions& read) {
-    const auto loaded = load_subject_or_map(file, read);
+    const auto loaded = load_file_or_map(file, read);
     if (!loaded) return complain(loaded.error());
     fmt::print("{}\n", printable(file));
     if (const auto* map = std::get_if<TexelMap>(&*loaded)) return print_map(*map), k_done;
-    const auto* subject = std::get_if<Subject>(&*loaded);
+    const auto* subject = std::get_if<LoadedFile>(&*loaded);
     if (const auto* measured = std::get_if<Measured>(&subject->content)) {
         print_row("format", fmt::format("{}, {} bytes", measured->format, grouped(measured->bytes)));
         std::visit([](const auto& table) { print_table(table); }, measured->table);
@@ -233,7 +236,10 @@ int run(const std::string& file, const ReadOptions& read) {
         if (!model.provenance.empty()) fmt::print("\n");
         print_provenance(model.provenance);
     }
-    is_two_sided(subject->content) ? print_sides(*subject) : print_behaviour(*subject);
+    if (is_two_sided(subject->content))
+        print_sides(*subject);
+    else
+        print_behaviour(*subject);
     return k_done;
 }
 

@@ -13,29 +13,29 @@
 
 namespace srbf {
 
-Rgb value(const Subject& subject, Vec3f wl, Vec3f wv) {
+Rgb value(const LoadedFile& subject, Vec3f wl, Vec3f wv) {
     return std::visit([&](const auto& brdf) { return value(brdf, wl, wv); }, subject.content);
 }
 
-Evaluate evaluator(const Subject& subject) {
+Evaluate evaluator(const LoadedFile& subject) {
     return std::visit([](const auto& brdf) { return evaluator(brdf); }, subject.content);
 }
 
-bool is_isotropic(const Subject& subject) {
+bool is_isotropic(const LoadedFile& subject) {
     return std::visit([](const auto& brdf) { return is_isotropic(brdf); }, subject.content);
 }
 
-std::span<const float> wavelengths(const Subject& subject) {
+std::span<const float> wavelengths(const LoadedFile& subject) {
     return std::visit([](const auto& brdf) { return wavelengths(brdf); }, subject.content);
 }
 
-Channels channels(const Subject& subject) {
+Channels channels(const LoadedFile& subject) {
     if (wavelengths(subject).empty()) return rgb_channels(evaluator(subject));
     const auto* measured = std::get_if<Measured>(&subject.content);
     return measured ? spectra(*measured) : channels(std::get<Model>(subject.content));
 }
 
-double fitted_theta(const Subject& subject) {
+double fitted_theta(const LoadedFile& subject) {
     if (!subject.is_model()) return 0;
     const auto& provenance = std::get<Model>(subject.content).provenance;
     const auto entry = provenance.find("max_theta");
@@ -52,21 +52,21 @@ std::string stem_of(const std::string& path) {
     return dot == name.npos || dot == 0 ? name : name.substr(0, dot);
 }
 
-Result<SubjectOrMap> load_subject_or_map(const std::string& path, const ReadOptions& options) {
+Result<FileOrMap> load_file_or_map(const std::string& path, const ReadOptions& options) {
     auto loaded = load_brdf_or_map(path, options);
     if (!loaded) return loaded.error();
-    if (auto* map = std::get_if<TexelMap>(&*loaded)) return SubjectOrMap(std::move(*map));
-    if (auto* model = std::get_if<Model>(&*loaded)) return SubjectOrMap(Subject{path, std::move(*model)});
+    if (auto* map = std::get_if<TexelMap>(&*loaded)) return FileOrMap(std::move(*map));
+    if (auto* model = std::get_if<Model>(&*loaded)) return FileOrMap(LoadedFile{path, std::move(*model)});
     auto& measured = std::get<Measured>(*loaded);
     for (const std::string& note : notes(measured))
         fmt::print(stderr, "srbf: {}: {}\n", printable(path), printable(note));
-    return SubjectOrMap(Subject{path, std::move(measured)});
+    return FileOrMap(LoadedFile{path, std::move(measured)});
 }
 
-Result<Subject> load_subject(const std::string& path, const ReadOptions& options) {
-    auto loaded = load_subject_or_map(path, options);
+Result<LoadedFile> load_file(const std::string& path, const ReadOptions& options) {
+    auto loaded = load_file_or_map(path, options);
     if (!loaded) return loaded.error();
-    if (auto* subject = std::get_if<Subject>(&*loaded)) return std::move(*subject);
+    if (auto* subject = std::get_if<LoadedFile>(&*loaded)) return std::move(*subject);
     return map_error(path);
 }
 

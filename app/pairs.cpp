@@ -21,7 +21,7 @@ Result<Done> PairParser::take_header(std::uint64_t number) {
     return Done{};
 }
 
-Result<Done> PairParser::take(std::string_view line, std::uint64_t number, Pairs& pairs) {
+Result<Done> PairParser::take(std::string_view line, std::uint64_t number, DirectionPairs& pairs) {
     if (line.starts_with('#')) return Done{};  // a comment
     split_fields(line, fields_);
     if (!has_header_) return take_header(number);
@@ -58,8 +58,8 @@ Result<PairReader> PairReader::open(const std::string& path) {
     return PairReader(*std::move(file));
 }
 
-Result<Pairs> PairReader::next(std::size_t max_count) {
-    Pairs pairs;
+Result<DirectionPairs> PairReader::next(std::size_t max_count) {
+    DirectionPairs pairs;
     while (pairs.wl.size() < max_count) {
         const auto line = lines_.next();
         if (!line) return line.error();
@@ -72,8 +72,8 @@ Result<Pairs> PairReader::next(std::size_t max_count) {
     return pairs;
 }
 
-Result<Pairs> load_pairs(const std::string& path) {
-    return within_memory(path, [&]() -> Result<Pairs> {
+Result<DirectionPairs> load_pairs(const std::string& path) {
+    return within_memory(path, [&]() -> Result<DirectionPairs> {
         auto reader = PairReader::open(path);
         if (!reader) return reader.error();
         return reader->next(std::numeric_limits<std::size_t>::max());

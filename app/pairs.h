@@ -10,7 +10,7 @@ namespace srbf {
 
 inline constexpr std::array<std::string_view, 6> k_pair_columns{"wl_x", "wl_y", "wl_z", "wv_x", "wv_y", "wv_z"};
 
-struct Pairs {
+struct DirectionPairs {
     std::vector<Vec3f> wl, wv;
     std::vector<std::array<std::string, 6>> text;  ///< the numbers of a pair as the file writes them
 };
@@ -21,7 +21,7 @@ class PairParser {
   public:
     explicit PairParser(std::string file_name) : file_name_(std::move(file_name)) {}
     /// Adds the pair in a line to `pairs`. The first line is the header.
-    Result<Done> take(std::string_view line, std::uint64_t number, Pairs& pairs);
+    Result<Done> take(std::string_view line, std::uint64_t number, DirectionPairs& pairs);
     /// Returns an error if there was no header.
     Result<Done> finish() const;
 
@@ -39,7 +39,7 @@ class PairReader {
   public:
     static Result<PairReader> open(const std::string& path);
     /// The next `max_count` pairs, or fewer at the end of the file.
-    Result<Pairs> next(std::size_t max_count);
+    Result<DirectionPairs> next(std::size_t max_count);
 
   private:
     explicit PairReader(FileReader file) : parser_(file.path()), lines_(std::move(file)) {}
@@ -48,6 +48,6 @@ class PairReader {
 };
 
 /// All pairs of a file.
-Result<Pairs> load_pairs(const std::string& path);
+Result<DirectionPairs> load_pairs(const std::string& path);
 
 }  // namespace srbf

@@ -1,8 +1,8 @@
 // These benchmarks time a path-traced picture of the ball on its ground in the bundled studio: 256 × 192 pixels, 4
-// paths per pixel of at most 8 bounces, on one thread. The material is the bundled vinyl film: its fit of form extended,
-// its view-by-view fit, the measurement, and a table of MERL's layout. `evaluation_percent` is the share of time for f,
-// measured as the time that a second evaluation of each f adds. Other benchmarks give the ns for a sample and a density
-// of the proposals, and the time to make proposals.
+// paths per pixel of at most 8 bounces, on one thread. The material is the bundled vinyl film: its fit of form
+// extended, its view-by-view fit, the measurement, and a table of MERL's layout. `evaluation_percent` is the fraction
+// of time for f, measured as the time that a second evaluation of each f adds. Other benchmarks give the ns for a
+// sample and a density of the proposals, and the time to make proposals.
 #include <benchmark/benchmark.h>
 
 #include <ctime>

@@ -50,8 +50,8 @@ Rgb reflected(const srbf::PreparedBrdf& brdf, const Frame& frame, Vec3f wv, bool
     if (s.pdf > 0) {
         const Vec3f w = frame.to_world(s.wl);
         const bool hits = dot(w, k_window.z) > k_cosine;
-        const float share = alone ? 1 : s.pdf / (s.pdf + k_window_pdf);
-        add(sky(w) + (hits ? k_radiance * share : 0), s.weight);
+        const float fraction = alone ? 1 : s.pdf / (s.pdf + k_window_pdf);
+        add(sky(w) + (hits ? k_radiance * fraction : 0), s.weight);
     }
     if (alone) return sum;
 

@@ -39,21 +39,21 @@ Hit intersect(Vec3f from, Vec3f w) {
     return {floor < 1e-3f ? 0 : floor, {0, 1, 0}};
 }
 
-// A sky with a sun, whose directions are sampled with the density k_sun_pdf. `share` is the part of the sun's light that
-// counts.
+// A sky with a sun, whose directions are sampled with the density k_sun_pdf. `fraction` is the part of the sun's light
+// that counts.
 const Frame k_sun(normalize(Vec3f{0.5f, 0.65f, 0.55f}));
 constexpr float k_radiance = 25, k_cosine = 0.985f, k_sun_pdf = 1 / (2 * k_pi * (1 - k_cosine));
-Rgb sky(Vec3f w, float share) {
-    const float sun = dot(w, k_sun.z) > k_cosine ? share * k_radiance : 0, grey = 0.35f + 0.25f * w.y + sun;
+Rgb sky(Vec3f w, float fraction) {
+    const float sun = dot(w, k_sun.z) > k_cosine ? fraction * k_radiance : 0, grey = 0.35f + 0.25f * w.y + sun;
     return {grey, grey, grey + 0.25f * w.y};
 }
 
 /// An estimate of the radiance that arrives at `at` from the direction w.
 template <typename Random> Rgb trace(const srbf::PreparedBrdf& brdf, Vec3f at, Vec3f w, Random&& random) {
     Rgb sum{}, throughput{1, 1, 1};
-    for (float share = 1;;) {
+    for (float fraction = 1;;) {
         const Hit hit = intersect(at, w);
-        if (hit.distance == 0) return sum + throughput * sky(w, share);
+        if (hit.distance == 0) return sum + throughput * sky(w, fraction);
         at = at + hit.distance * w;
         const Frame frame(hit.normal);
         const Vec3f wv = frame.to_local(-1.f * w);
@@ -74,7 +74,7 @@ template <typename Random> Rgb trace(const srbf::PreparedBrdf& brdf, Vec3f at, V
         throughput = throughput * s.weight;
         const float survival = std::min(0.95f, std::max({throughput.r, throughput.g, throughput.b}));
         if (random() >= survival) return sum;
-        throughput = (1 / survival) * throughput, share = s.pdf / (s.pdf + k_sun_pdf), w = frame.to_world(s.wl);
+        throughput = (1 / survival) * throughput, fraction = s.pdf / (s.pdf + k_sun_pdf), w = frame.to_world(s.wl);
     }
 }
 

@@ -66,8 +66,10 @@ struct ExportedLight {
                 between(nodes, [&](std::size_t i) { return lobe(k, i).roughness; }), 0};
     }
     Vec3 light_weight(int k, Vec3 whole, NodesAbout nodes, Pm) {
-        const auto share = [&](int c) { return between(nodes, [&](std::size_t i) { return lobe(k, i).weight[c]; }); };
-        return {whole.x * share(0), whole.y * share(1), whole.z * share(2)};
+        const auto fraction = [&](int c) {
+            return between(nodes, [&](std::size_t i) { return lobe(k, i).weight[c]; });
+        };
+        return {whole.x * fraction(0), whole.y * fraction(1), whole.z * fraction(2)};
     }
     float light_width(NodesAbout nodes) {
         return between(nodes, [&](std::size_t i) { return lobes.width[i]; });

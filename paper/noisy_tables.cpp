@@ -1,5 +1,5 @@
 // Errors of fits to noisy tables. Each measurement is sampled to a table of MBSDF's layout (the truth), and the table
-// gets independent normal noise of a share of its median value. Prints for each fit ΔE_ITP against the truth, also
+// gets independent normal noise of a fraction of its median value. Prints for each fit ΔE_ITP against the truth, also
 // relative to the fit to the truth; the largest errors of albedo from 0 to 75°, of luminance and of a channel (relative
 // to luminance); the same for the noisy table; and processor seconds. With --seeds, prints the mean ΔE_ITP and the
 // largest errors of N fits.
@@ -87,7 +87,7 @@ TableErrors errors_against(const Evaluate& truth, const Evaluate& other) {
 }
 struct FitErrors {
     TableErrors fit;
-    double seconds, share;
+    double seconds, fraction;
 };
 /// The mean ΔE_ITP and time over seeds, and the largest errors.
 FitErrors fit_errors(const Measured& measured, const Evaluate& truth, int seeds) {
@@ -104,7 +104,7 @@ FitErrors fit_errors(const Measured& measured, const Evaluate& truth, int seeds)
         all.fit.delta_e += delta_e / seeds;
         all.fit.albedo.luminance = std::max(all.fit.albedo.luminance, albedo.luminance);
         all.fit.albedo.channel = std::max(all.fit.albedo.channel, albedo.channel);
-        all.share = outcome->noise ? share_of(*outcome->noise) : 0;
+        all.fraction = outcome->noise ? fraction_of(*outcome->noise) : 0;
     }
     return all;
 }
@@ -129,7 +129,7 @@ void print_own(const Measured& measured) {
 int main(int argc, char** argv) {
     using namespace srbf;
     int seeds = 1;
-    std::vector<double> shares;
+    std::vector<double> fractions;
     std::vector<std::string> files;
     for (int i = 1; i < argc; ++i) {
         const std::string word = argv[i];
@@ -140,11 +140,11 @@ int main(int argc, char** argv) {
         if (word == "--seeds")
             seeds = std::stoi(argv[++i]);
         else if (word == "--share")
-            shares.push_back(std::stod(argv[++i]));
+            fractions.push_back(std::stod(argv[++i]));
         else
             files.push_back(word);
     }
-    if (shares.empty()) shares = {0.01, 0.1, 1};
+    if (fractions.empty()) fractions = {0.01, 0.1, 1};
     fmt::print(
         "| table | noise | ΔE_ITP | of the clean fit's | albedo, luminance, % | channel, % | "
         "table: ΔE_ITP | luminance, % | found | s |\n|---|---|---|---|---|---|---|---|---|---|\n");
@@ -159,14 +159,15 @@ int main(int argc, char** argv) {
         const auto print = [&](const std::string& noise, const FitErrors& one, const TableErrors& raw) {
             fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.0f} |\n", name,
                        noise, one.fit.delta_e, one.fit.delta_e / clean_fit.fit.delta_e, 100 * one.fit.albedo.luminance,
-                       100 * one.fit.albedo.channel, raw.delta_e, 100 * raw.albedo.luminance, one.share, one.seconds);
+                       100 * one.fit.albedo.channel, raw.delta_e, 100 * raw.albedo.luminance, one.fraction,
+                       one.seconds);
             std::fflush(stdout);
         };
         print("none", clean_fit, {});
         const double median_value = median(table);
-        for (const double share : shares) {
-            const Measured noisy{"", "", 0, with_noise(table, share * median_value)};
-            print(fmt::format("{:g} %", 100 * share), fit_errors(noisy, truth, seeds),
+        for (const double fraction : fractions) {
+            const Measured noisy{"", "", 0, with_noise(table, fraction * median_value)};
+            print(fmt::format("{:g} %", 100 * fraction), fit_errors(noisy, truth, seeds),
                   errors_against(truth, signed_evaluator(noisy)));
         }
     }

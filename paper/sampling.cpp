@@ -1,10 +1,10 @@
-// Quality of importance sampling: the relative variance of f cosθl / pdf (luminance) and the share of lost samples, for
-// the multivariate and the view-by-view model with their own proposals, and for the measurement with its own proposal,
-// that of its multivariate model, and the cosine. Multivariate fits are of form extended with 8 lobes, the view-by-view
-// one has 5 lobes.
+// Quality of importance sampling: the relative variance of f cosθl / pdf (luminance) and the fraction of lost samples,
+// for the multivariate and the view-by-view model with their own proposals, and for the measurement with its own
+// proposal, that of its multivariate model, and the cosine. Multivariate fits are of form extended with 8 lobes, the
+// view-by-view one has 5 lobes.
 //   usage: sampling FILE...
 // It prints the median and the largest variance over views every 3° to 85° of prepared measurements and models, and the
-// largest share of lost samples to 89.9°, as CSV in descending order of the largest variance.
+// largest fraction of lost samples to 89.9°, as CSV in descending order of the largest variance.
 //   usage: sampling --views FILE...
 // With --horizon it also prints the largest weight of a sample, at 121 views uniform in √cosθv, from the normal to
 // cosθv = 10⁻⁴. The limit for 95 % of views is printed twice: of these views, a third of which are beyond 84°, and of
@@ -37,7 +37,7 @@ struct Quality {
     double variance, lost;
 };
 
-/// The lost share of `draws` uniform samples.
+/// The lost fraction of `draws` uniform samples.
 double lost(const Proposal& proposal, Vec3f wv, int draws) {
     int count = 0;
     std::mt19937_64 random(1);
@@ -118,8 +118,8 @@ Result<ViewQuality> view_quality(const std::string& path) {
     std::vector<double> variances;
     for (double theta = 0; theta < 90; theta += theta < 84 ? 3 : 0.7) {
         const Vec3f wv = to_float(spherical(theta * k_degree, 0.3));
-        if (const double share = lost(proposal(brdf), wv, 1 << 14); share > quality.lost)
-            quality.lost = share, quality.lost_at = theta;
+        if (const double fraction = lost(proposal(brdf), wv, 1 << 14); fraction > quality.lost)
+            quality.lost = fraction, quality.lost_at = theta;
         if (theta > 85) continue;
         variances.push_back(variance(evaluator(brdf), proposal(brdf), wv, 1 << 15));
         if (variances.back() > quality.largest) quality.largest = variances.back(), quality.largest_at = theta;

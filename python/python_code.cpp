@@ -164,4 +164,4 @@ Result<std::string> python_code(const Model& model) {
     return text;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -10,8 +10,8 @@ namespace SRBF_NAMESPACE {
 /// The functions of a model as Python for a library of arrays: brdf(wl, wv), chosen_lobe(wv, selector),
 /// sample_of_lobe(k, wv, u1, u2) for each k below `components`, light_pdf(wl, wv). The model's numbers are tables:
 /// `lobes`, a row for each (coefficient, log scale, for each variate centre, unless the model is axial, and bandwidth,
-/// negative if the centre is -z, then the exponents) and `variates`; or `model_numbers`. Errors: a view-by-view model, a
-/// BSDF.
+/// negative if the centre is -z, then the exponents) and `variates`; or `model_numbers`. Errors: a view-by-view model,
+/// a BSDF.
 ///
 /// The text requires these names:
 ///   exp, exp2, log, sqrt, inversesqrt, cos, sin, abs, minimum, maximum, dot   on numbers or arrays
@@ -23,4 +23,4 @@ namespace SRBF_NAMESPACE {
 /// Loops run over Python's int.
 Result<std::string> python_code(const Model& model);
 
-}  // namespace srbf
+}  // namespace

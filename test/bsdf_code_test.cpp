@@ -80,8 +80,8 @@ void expect_values(const Answer& answer, const Model& model, std::mt19937_64& ra
                    mirror_part = wv.z > 0 ? Part::reflection_front : Part::reflection_back;
         for (int c = 0; c < 3; ++c) {
             ASSERT_WITHIN(f[c], expected[c], 1e-4 * double(expected[c]) + 1e-6);
-            ASSERT_WITHIN(through[c], share_at(beams, through_part, from)[c], 1e-4);
-            ASSERT_WITHIN(mirror_value[c], share_at(beams, mirror_part, from)[c], 1e-4);
+            ASSERT_WITHIN(through[c], fraction_at(beams, through_part, from)[c], 1e-4);
+            ASSERT_WITHIN(mirror_value[c], fraction_at(beams, mirror_part, from)[c], 1e-4);
         }
     }
     const Vec3f in_surface{1, 0, 0}, up{0, 0, 1};

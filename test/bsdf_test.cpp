@@ -162,8 +162,8 @@ TEST(Bsdf, SamplesFollowTheDensity) {
         const Vec3f from = mirror(wv);
         const bool front = theta < 90;
         const double expected_beams =
-            double(share_at(beam, front ? Part::reflection_front : Part::reflection_back, from).r) +
-            double(share_at(beam, front ? Part::transmission_back : Part::transmission_front, from).r);
+            double(fraction_at(beam, front ? Part::reflection_front : Part::reflection_back, from).r) +
+            double(fraction_at(beam, front ? Part::transmission_back : Part::transmission_front, from).r);
         EXPECT_WITHIN_RELATIVE(by_beam / count, expected_beams, 0.03);
     }
 }

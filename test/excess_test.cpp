@@ -77,7 +77,7 @@ TEST(Subsets, GrowByPairsAtWhichCandidatesExceedTheMeasurement) {
     const Observations o = lambertian_observations();
     const PmFitOptions options{.form = PmForm::gaussian, .axial = false, .lobes = 1, .variates = 1};
     Subsets subsets(o);
-    const auto rows = [&] { return subsets.rows(Pairs::search, {.albedos = false}).wl[0].size(); };
+    const auto rows = [&] { return subsets.rows(RowSet::search, {.albedos = false}).wl[0].size(); };
     const std::size_t before = rows();
     const auto with = [&](Vec3d p) {
         const Candidate candidate{.lobes = {shape_of(options), {0}, {p.x, p.y, p.z}}, .loss = 1};

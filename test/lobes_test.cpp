@@ -39,7 +39,7 @@ Lobes reciprocal(Lobes lobes) {
 
 /// Twice the lobes, so that there are more of them than channels.
 Lobes doubled(Lobes lobes) {
-    for (const double weight : std::vector(lobes.weight)) lobes.weight.push_back(0.7 * weight);
+    for (const double x : std::vector(lobes.parameter)) lobes.parameter.push_back(0.7 * x);
     return lobes;
 }
 
@@ -209,7 +209,7 @@ TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
                         const double angle = lobes.angle[std::size_t(n)];
                         const Vec3d psi = Kernel<double>::psi(to_double(o.wl[i]), to_double(o.wv[i]),
                                                               elementary::cos(angle), elementary::sin(angle));
-                        exponent += lobes.weights_of(j)[std::size_t(n)] * (psi.z - 1);
+                        exponent += lobes.parameters_of(j)[std::size_t(n)] * (psi.z - 1);
                     }
                     f += problem.scale() * beta(j, c) * elementary::exp(exponent);
                 }
@@ -246,7 +246,7 @@ TEST(Lobes, CostOfDroppingIsARiseOfTheLoss) {
 TEST(Lobes, BestAdditionIsTheBestOfItsCandidates) {
     LobeProblem problem(rows(), {PmForm::gaussian, 3}, false);
     Lobes lobes = some_lobes();
-    lobes.weight.resize(6);
+    lobes.parameter.resize(6);
     std::mt19937_64 random(5);
     std::vector<std::vector<double>> candidates;
     for (int k = 0; k < 40; ++k) {

@@ -214,9 +214,9 @@ TEST(Albedo, ALambertianHasItsColourTimesTheCap) {
     for (const double theta : k_albedo_theta)
         for (const double cap : {k_cap, k_pi / 2}) {
             const Rgb a = albedo(evaluator(lambert), theta * k_degree, cap);
-            const double share = std::pow(std::sin(cap), 2);
-            EXPECT_WITHIN_RELATIVE(a.r, 0.2 * share, 1e-4) << theta << " " << cap;
-            EXPECT_WITHIN_RELATIVE(a.b, 0.9 * share, 1e-4);
+            const double fraction = std::pow(std::sin(cap), 2);
+            EXPECT_WITHIN_RELATIVE(a.r, 0.2 * fraction, 1e-4) << theta << " " << cap;
+            EXPECT_WITHIN_RELATIVE(a.b, 0.9 * fraction, 1e-4);
         }
 }
 

@@ -53,7 +53,7 @@ TEST(Noise, IsEstimated) {
     EXPECT_TRUE(is_noisy(noise_of(with_noise(bundled("paper_white_rgb"), 0.3f))));
     for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"})
         EXPECT_FALSE(is_noisy(noise_of(evaluator(bundled(name))))) << name;
-    EXPECT_EQ(share_of(noise_of([](auto, auto, std::span<Rgb> f) { std::ranges::fill(f, Rgb{}); })), 0);
+    EXPECT_EQ(fraction_of(noise_of([](auto, auto, std::span<Rgb> f) { std::ranges::fill(f, Rgb{}); })), 0);
 }
 
 /// Noise as large as the values, of which a sixth are below 0.
@@ -61,7 +61,7 @@ TEST(Noise, DoesNotBiasAFit) {
     const Measured& truth = bundled("paper_white_rgb");
     Fitter fitter(with_noise(truth, 0.28f));
     const auto outcome = checked(fitter.fit({.model = PmRequest{.effort = 0.1}}));
-    EXPECT_GT(share_of(*outcome->noise), 1);
+    EXPECT_GT(fraction_of(*outcome->noise), 1);
     const Evaluate reference = evaluator(truth), fitted = evaluator(outcome->model);
     for (const double theta : {0.0, 30.0, 60.0}) {
         const double expected = luminance(albedo(reference, theta * k_degree, 89 * k_degree)),

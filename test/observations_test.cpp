@@ -30,13 +30,13 @@ TEST(Observations, EstimateTheIntegralOfTheirObjective) {
             if (double(o->wl[i].z) > elementary::cos(50 * k_degree)) near_l += w;
             if (double(o->wv[i].z) > elementary::cos(50 * k_degree)) near_v += w;
         }
-        const auto share = [](int power) {  // of ∫ μ^power dμ
+        const auto fraction = [](int power) {  // of ∫ μ^power dμ
             const double c = elementary::cos(80 * k_degree), d = elementary::cos(50 * k_degree);
             return (1 - elementary::pow(d, power + 1)) / (1 - elementary::pow(c, power + 1));
         };
         const bool raw = objective == Objective::raw;
-        EXPECT_WITHIN_RELATIVE(near_l / all, share(raw ? 0 : 2), 0.01);
-        EXPECT_WITHIN_RELATIVE(near_v / all, share(raw ? 0 : 1), 0.01);
+        EXPECT_WITHIN_RELATIVE(near_l / all, fraction(raw ? 0 : 2), 0.01);
+        EXPECT_WITHIN_RELATIVE(near_v / all, fraction(raw ? 0 : 1), 0.01);
         EXPECT_WITHIN(3 * all, 1, 0.05);  // Σ w |f|² = 1; the grid of horizon pairs adds a few pairs within the cap
     }
 }
@@ -87,18 +87,18 @@ TEST(Observations, CosineObjectiveKeepsDarkValuesUnderAHighlight) {
             f[i] = {x, x, x};
         }
     };
-    // The share of the body in Σ w |f|²: almost none, and most with the additional weights.
-    const auto share_of_body = [&](Objective objective) {
+    // The fraction of the body in Σ w |f|²: almost none, and most with the additional weights.
+    const auto fraction_of_body = [&](Objective objective) {
         const auto o = observe(glossy, {objective, 80 * k_degree, 1 << 16, 0});
-        double share = 0;
+        double fraction = 0;
         for (std::size_t i = 0; i < fitted(*o); ++i)
             if (within(*o, i, 80 * k_degree) && o->f[i].r < 0.2f)
-                share += 3 * o->weight[i] * double(o->f[i].r) * double(o->f[i].r);
-        return share;
+                fraction += 3 * o->weight[i] * double(o->f[i].r) * double(o->f[i].r);
+        return fraction;
     };
-    EXPECT_LE(share_of_body(Objective::raw), 1e-4);
-    EXPECT_GE(share_of_body(Objective::cosine), 0.001);
-    EXPECT_LE(share_of_body(Objective::cosine), 0.005);
+    EXPECT_LE(fraction_of_body(Objective::raw), 1e-4);
+    EXPECT_GE(fraction_of_body(Objective::cosine), 0.001);
+    EXPECT_LE(fraction_of_body(Objective::cosine), 0.005);
 }
 
 TEST(Observations, ReachTheHorizonAndItsCorners) {

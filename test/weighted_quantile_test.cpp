@@ -16,16 +16,16 @@ TEST(WeightedQuantile, IsTheFirstOfTheSortedThatReachesTheShare) {
             weighted.emplace_back(std::floor(20 * uniform(random)), weight);
             whole += weight;
         }
-        const double share = (1 + std::floor(8 * uniform(random))) / 8;
+        const double fraction = (1 + std::floor(8 * uniform(random))) / 8;
         auto sorted = weighted;
         std::ranges::sort(sorted);
         double sum = 0;
         const auto reached = std::ranges::find_if(sorted, [&](const auto& pair) {
             sum += pair.second;
-            return sum >= share * whole;
+            return sum >= fraction * whole;
         });
         ASSERT_NE(reached, sorted.end());
-        EXPECT_EQ(weighted_quantile(weighted, share), reached->first) << trial;
+        EXPECT_EQ(weighted_quantile(weighted, fraction), reached->first) << trial;
     }
 }
 

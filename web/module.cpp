@@ -44,7 +44,7 @@ extern "C" __attribute__((import_module("srbf"), import_name("progress"))) int s
 namespace SRBF_NAMESPACE {
 namespace {
 
-std::vector<std::unique_ptr<Subject>> g_subjects;
+std::vector<std::unique_ptr<LoadedFile>> g_subjects;
 /// Fitters of the open measurements, kept because later fits reuse the observations.
 std::map<int, Fitter> g_fitters;
 std::vector<std::byte> g_content;
@@ -65,12 +65,12 @@ template <typename T> int set_result(const Result<T>& result) {
     return result ? set_content(*result) : fail(result.error());
 }
 
-const Subject* subject_of(int number) {
+const LoadedFile* subject_of(int number) {
     const bool known = number > 0 && std::size_t(number) <= g_subjects.size();
     return known ? g_subjects[std::size_t(number) - 1].get() : nullptr;
 }
-int keep(Subject subject) {
-    g_subjects.push_back(std::make_unique<Subject>(std::move(subject)));
+int keep(LoadedFile subject) {
+    g_subjects.push_back(std::make_unique<LoadedFile>(std::move(subject)));
     return int(g_subjects.size());
 }
 /// The error of an argument of a host's call.
@@ -79,8 +79,8 @@ Error invalid(std::string source, std::string field, std::string expected, std::
 }
 Error unknown(std::string expected) { return invalid("subject", "number", std::move(expected), "none"); }
 
-const Model* model_of(const Subject* subject) { return subject ? std::get_if<Model>(&subject->content) : nullptr; }
-const Measured* measured_of(const Subject* subject) {
+const Model* model_of(const LoadedFile* subject) { return subject ? std::get_if<Model>(&subject->content) : nullptr; }
+const Measured* measured_of(const LoadedFile* subject) {
     return subject ? std::get_if<Measured>(&subject->content) : nullptr;
 }
 
@@ -214,7 +214,7 @@ SRBF_EXPORT(close) void close(int number) {
 
 /// A quick first model of a one-sided measurement. The content is its report as JSON.
 SRBF_EXPORT(draft) int draft(int number, const char* options, std::size_t size) {
-    const Subject* subject = subject_of(number);
+    const LoadedFile* subject = subject_of(number);
     const Measured* measured = measured_of(subject);
     if (!measured) return fail(unknown("that of a measurement"));
     auto request = request_of({options, size});
@@ -229,7 +229,7 @@ SRBF_EXPORT(draft) int draft(int number, const char* options, std::size_t size) 
 
 /// Fits a measurement with options in JSON. The content is a report as JSON.
 SRBF_EXPORT(fit) int fit_subject(int number, const char* options, std::size_t size) {
-    const Subject* subject = subject_of(number);
+    const LoadedFile* subject = subject_of(number);
     const Measured* measured = measured_of(subject);
     if (!measured) return fail(unknown("that of a measurement"));
     const auto request = request_of({options, size});
@@ -249,20 +249,20 @@ SRBF_EXPORT(fit) int fit_subject(int number, const char* options, std::size_t si
 
 // ---- Edits -------------------------------------------------------------------------------------------------------
 
-/// Sets the content to the numbers that pictures of edits need before their fit, as JSON: the shares of the body, and
-/// the roughness of the highlight (`PM_EDITED` of srbf/shader.h). It is null for a model that cannot be edited.
+/// Sets the content to the numbers that pictures of edits need before their fit, as JSON: the fractions of the body,
+/// and the roughness of the highlight (`PM_EDITED` of srbf/shader.h). It is null for a model that cannot be edited.
 SRBF_EXPORT(highlight) int highlight(int number) {
     const Model* model = model_of(subject_of(number));
     const auto* pm = model ? std::get_if<PmModel>(&model->model) : nullptr;
     if (!pm || !pm->wavelength.empty()) return set_json(Json());
     const double roughness = roughness_of(evaluator(separate_highlight(*pm).highlight));
-    return set_json(Json{{"shares", body_shares(*pm)}, {"roughness", roughness > 0 ? roughness : 1}});
+    return set_json(Json{{"shares", body_fractions(*pm)}, {"roughness", roughness > 0 ? roughness : 1}});
 }
 
 /// Applies edits to a model: a JSON object with numbers `roughen`, `saturate` and `hue` [degrees] and colours
 /// `highlight` and `body`, all optional. The content describes the result as JSON.
 SRBF_EXPORT(edit) int edit(int number, const char* text, std::size_t size) {
-    const Subject* subject = subject_of(number);
+    const LoadedFile* subject = subject_of(number);
     const Model* model = model_of(subject);
     if (!model) return fail(unknown("that of a model"));
     double roughen = 1, saturate = 1, hue = 0;
@@ -307,7 +307,7 @@ SRBF_EXPORT(model_file) int model_file(int number) {
 /// Sets the content to shading code of a model: glsl, hlsl, wgsl, msl, c, three or unity. `sampling` adds NAME_sample
 /// and NAME_pdf, `environment` NAME_environment.
 SRBF_EXPORT(code) int code(int number, const char* language, std::size_t size, int sampling, int environment) {
-    const Subject* subject = subject_of(number);
+    const LoadedFile* subject = subject_of(number);
     const Model* model = model_of(subject);
     if (!model) return fail(unknown("that of a model"));
     const std::string to = text_of(language, size), name = identifier(stem_of(subject->path));
@@ -331,7 +331,7 @@ SRBF_EXPORT(code) int code(int number, const char* language, std::size_t size, i
 
 /// Sets the content to a script that makes a material for Blender from a measurement or a model.
 SRBF_EXPORT(blender) int blender_material(int number) {
-    const Subject* subject = subject_of(number);
+    const LoadedFile* subject = subject_of(number);
     if (!subject) return fail(unknown("that of a measurement or a model"));
     if (const auto valid = check_reflection(*subject, "blender"); !valid) return fail(valid.error());
     auto sum = fit_closures(evaluator(*subject), {}, host_progress());
@@ -342,7 +342,7 @@ SRBF_EXPORT(blender) int blender_material(int number) {
 }
 /// Sets the content to the mean ΔE_ITP of pictures of the last of these scripts against its subject, as JSON.
 SRBF_EXPORT(blender_error) int blender_error(int number) {
-    const Subject* subject = subject_of(number);
+    const LoadedFile* subject = subject_of(number);
     if (!subject || g_closures.knots() == 0) return fail(unknown("that of a script's measurement or model"));
     const Evaluate f = evaluator(*subject), fitted = evaluator(g_closures);
     const bool isotropic = is_isotropic(f, default_max_theta(k_default_objective));
@@ -351,7 +351,7 @@ SRBF_EXPORT(blender_error) int blender_error(int number) {
 
 /// Sets the content to the subject as a table, for a file with this name.
 SRBF_EXPORT(table) int table(int number, const char* file, std::size_t size) {
-    const Subject* subject = subject_of(number);
+    const LoadedFile* subject = subject_of(number);
     if (!subject) return fail(unknown("that of a measurement or a model"));
     const Format* format = format_written_to(text_of(file, size));
     if (!format)
@@ -365,7 +365,7 @@ SRBF_EXPORT(table) int table(int number, const char* file, std::size_t size) {
 
 /// Evaluates f [1/sr] of the subject for `count` pairs: `wl`, `wv` and `f` have three floats each.
 SRBF_EXPORT(evaluate) int evaluate(int number, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
-    const Subject* subject = subject_of(number);
+    const LoadedFile* subject = subject_of(number);
     if (!subject) return fail(unknown("that of a measurement or a model"));
     evaluator (*subject)({wl, count}, {wv, count}, {f, count});
     return 1;
@@ -381,7 +381,7 @@ SRBF_EXPORT(set_studio) int set_studio(const std::byte* bytes, std::size_t size)
 /// Sets the content to data for web/viewer.js: that which all pictures share, and that of one subject.
 SRBF_EXPORT(viewer_data) int set_viewer_data() { return set_content(std::string_view(viewer_data())); }
 SRBF_EXPORT(viewer_material) int set_viewer_material(int number) {
-    const Subject* subject = subject_of(number);
+    const LoadedFile* subject = subject_of(number);
     if (!subject) return fail(unknown("that of a measurement or a model"));
     PageMaterial page_material = shown(*subject);
     if (const Measured* measured = measured_of(subject)) {
@@ -400,7 +400,7 @@ SRBF_EXPORT(slices) int slices(int measured, int model) {
     std::vector<SliceCurve> curves;
     bool both_sides = false;
     for (const auto& [number, colour] : {std::pair(measured, "var(--ink)"), std::pair(model, "#0072b2")})
-        if (const Subject* subject = subject_of(number)) {
+        if (const LoadedFile* subject = subject_of(number)) {
             const bool two_sided = is_two_sided(subject->content);
             both_sides = both_sides || two_sided;
             curves.push_back({number == measured ? "measured" : "fitted", colour, evaluator(*subject), two_sided});
@@ -415,10 +415,10 @@ SRBF_EXPORT(slices) int slices(int measured, int model) {
 
 /// Sets the content to the page of a model with its measurement, as `srbf export --to html --reference` writes it.
 SRBF_EXPORT(page) int page(int model, int measured) {
-    const Subject *subject = subject_of(model), *reference = subject_of(measured);
+    const LoadedFile *subject = subject_of(model), *reference = subject_of(measured);
     if (!model_of(subject)) return fail(unknown("that of a model"));
     const bool usable = measured_of(reference) && !is_two_sided(reference->content);
     return set_content(std::string_view(page_html(page_of({*subject}, usable ? reference : nullptr))));
 }
 
-}  // namespace srbf
+}  // namespace

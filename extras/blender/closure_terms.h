@@ -33,14 +33,14 @@ class ClosureTerm {
     ClosureShape chain_;
 };
 
-/// Colour j ≤ `count` of a diffuse ramp, as a share of π f cosθl: 1 at cosθl = j / count, 0 from its neighbours on.
-double ramp_share(std::size_t j, std::size_t count, double cos_light);
+/// Colour j ≤ `count` of a diffuse ramp, as a fraction of π f cosθl: 1 at cosθl = j / count, 0 from its neighbours on.
+double ramp_fraction(std::size_t j, std::size_t count, double cos_light);
 
-/// The knot below an angle, and the share of the next one.
+/// The knot below an angle, and the fraction of the next one.
 struct KnotPosition {
     std::size_t knot;
-    double share;
+    double fraction;
     KnotPosition(double theta_v, std::size_t knots);
 };
 
-}  // namespace srbf
+}  // namespace

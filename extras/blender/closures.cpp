@@ -73,14 +73,14 @@ double ClosureTerm::value(const ClosureLight& light, ClosureShape* derivatives) 
     return value;
 }
 
-double ramp_share(std::size_t j, std::size_t count, double cos_light) {
+double ramp_fraction(std::size_t j, std::size_t count, double cos_light) {
     return std::max(1 - std::abs(double(count) * cos_light - double(j)), 0.0);
 }
 
 KnotPosition::KnotPosition(double theta_v, std::size_t knots) {
     const double x = std::clamp(theta_v / (k_pi / 2), 0.0, 1.0) * double(knots - 1);
     knot = std::min(std::size_t(x), knots - 2);
-    share = x - double(knot);
+    fraction = x - double(knot);
 }
 
 Rgb value(const ClosureSum& sum, Vec3f wl, Vec3f wv) {
@@ -90,11 +90,11 @@ Rgb value(const ClosureSum& sum, Vec3f wl, Vec3f wv) {
     const Vec3d light{x * double(wl.x) + y * double(wl.y), x * double(wl.y) - y * double(wl.x), double(wl.z)},
         viewer{-sine, 0, cosine};
     const KnotPosition at(elementary::atan2(sine, cosine), sum.knots());
-    const auto between = [&](float a, float b) { return double(a) + at.share * (double(b) - double(a)); };
+    const auto between = [&](float a, float b) { return double(a) + at.fraction * (double(b) - double(a)); };
     std::array<double, 3> f{};
     for (std::size_t j = 0; j < sum.ramp; ++j) {
         const Rgb &a = sum.diffuse[at.knot * sum.ramp + j], &b = sum.diffuse[(at.knot + 1) * sum.ramp + j];
-        const double term = ramp_share(j + 1, sum.ramp, light.z) / (k_pi * light.z);
+        const double term = ramp_fraction(j + 1, sum.ramp, light.z) / (k_pi * light.z);
         for (std::size_t c = 0; c < 3; ++c) f[c] += between(a[int(c)], b[int(c)]) * term;
     }
     for (std::size_t k = 0; k < sum.terms; ++k) {
@@ -107,4 +107,4 @@ Rgb value(const ClosureSum& sum, Vec3f wl, Vec3f wv) {
     return {float(f[0]), float(f[1]), float(f[2])};
 }
 
-}  // namespace srbf
+}  // namespace

@@ -128,7 +128,7 @@ class ClosureProblem {
         for (Eigen::Index i = 0; i < n; ++i)
             for (Eigen::Index j = 0; K + j < parts; ++j)
                 values(K + j, i) =
-                    ramp_share(std::size_t(j + 1), layout_.ramp, view.lights[std::size_t(i)].wl.z) / k_pi;
+                    ramp_fraction(std::size_t(j + 1), layout_.ramp, view.lights[std::size_t(i)].wl.z) / k_pi;
         for (Eigen::Index k = 0; k < K; ++k) {
             const ClosureTerm term({q[std::size_t(6 * k)], q[std::size_t(6 * k + 1)], q[std::size_t(6 * k + 2)]},
                                    view.wv);
@@ -211,7 +211,7 @@ class ClosureProblem {
         const KnotPosition at(theta, layout_.knots);
         const double* const a = &table_[at.knot * layout_.width()];
         std::vector<double> q(layout_.width());
-        for (std::size_t i = 0; i < q.size(); ++i) q[i] = a[i] + at.share * (a[i + q.size()] - a[i]);
+        for (std::size_t i = 0; i < q.size(); ++i) q[i] = a[i] + at.fraction * (a[i + q.size()] - a[i]);
         return q;
     }
     Colour colour_of_pixel(const std::vector<double>& q, const Eigen::MatrixXd& sums, std::size_t p) const {
@@ -232,7 +232,7 @@ class ClosureProblem {
             const Colour itp = Itp<double>(shown(colour_of_pixel(q, sums, p), pixel.limit)).value();
             double square = 0;
             for (std::size_t c = 0; c < 3; ++c) square += elementary::square(itp[c] - pixel.itp[c]);
-            loss += pixel.share * 2 * square / (root_of(square) + 1);
+            loss += pixel.fraction * 2 * square / (root_of(square) + 1);
         }
         return loss;
     }
@@ -252,7 +252,7 @@ class ClosureProblem {
             const auto jacobian = itp.jacobian();
             double square = 0;
             for (std::size_t c = 0; c < 3; ++c) square += elementary::square(itp.value()[c] - pixel.itp[c]);
-            const double root = std::sqrt(pixel.share / root_of(square));
+            const double root = std::sqrt(pixel.fraction / root_of(square));
             for (std::size_t i = 0; i < 3; ++i) {
                 const Eigen::Index row = 3 * column + Eigen::Index(i);
                 r[row] = root * (itp.value()[i] - pixel.itp[i]);
@@ -271,7 +271,7 @@ class ClosureProblem {
         }
         const KnotPosition at(view.theta, layout_.knots);
         Eigen::MatrixXd chain(width, 2 * width);  // derivatives of a view's parameters by the unknowns of its knots
-        chain << (1 - at.share) * slopes_at(at.knot), at.share * slopes_at(at.knot + 1);
+        chain << (1 - at.fraction) * slopes_at(at.knot), at.fraction * slopes_at(at.knot + 1);
         Eigen::MatrixXd square = Eigen::MatrixXd::Zero(width, width);
         square.selfadjointView<Eigen::Lower>().rankUpdate(J);
         square.triangularView<Eigen::StrictlyUpper>() = square.transpose();
@@ -349,7 +349,7 @@ ViewWeights best_weights(const MatchedView& view, const Eigen::MatrixXd& sums) {
         for (std::size_t p = 0; p < view.pixels.size(); ++p) {
             const MatchedPixel& pixel = view.pixels[p];
             colour[Eigen::Index(p)] = pixel.colour[c];
-            weight[Eigen::Index(p)] = pixel.share * elementary::pow(pixel.colour[c] + k_dark, k_power);
+            weight[Eigen::Index(p)] = pixel.fraction * elementary::pow(pixel.colour[c] + k_dark, k_power);
         }
         const Eigen::MatrixXd weighed = sums * weight.asDiagonal(), G = weighed * sums.transpose();
         const Eigen::VectorXd g = weighed * colour;
@@ -366,8 +366,8 @@ double interpolated(std::span<const MatchedView> views, double theta, const auto
     std::size_t i = 1;
     while (i + 1 < views.size() && views[i].theta < theta) ++i;
     if (views.size() == 1) return value_of(0);
-    const double share = std::clamp((theta - views[i - 1].theta) / (views[i].theta - views[i - 1].theta), 0.0, 1.0);
-    return (1 - share) * value_of(i - 1) + share * value_of(i);
+    const double fraction = std::clamp((theta - views[i - 1].theta) / (views[i].theta - views[i - 1].theta), 0.0, 1.0);
+    return (1 - fraction) * value_of(i - 1) + fraction * value_of(i);
 }
 
 /// The unknowns with a further term, and the weights of the views: of the parts before, then of the term.
@@ -380,7 +380,7 @@ Eigen::VectorXd extended(const std::vector<MatchedView>& views, Layout before, c
     };
     Eigen::VectorXd largest = Eigen::VectorXd::Zero(Eigen::Index(after.parts()));
     for (const Eigen::MatrixXd& view_weights : weights) largest = largest.cwiseMax(view_weights.rowwise().maxCoeff());
-    constexpr double k_min_share = 0.02;  // weights stay above this share, so that they can grow again
+    constexpr double k_min_fraction = 0.02;  // weights stay above this fraction, so that they can grow again
     for (std::size_t i = 0; i < after.knots; ++i) {
         const double theta = after.theta(i);
         double* const to = longer.data() + i * after.width();
@@ -395,7 +395,7 @@ Eigen::VectorXd extended(const std::vector<MatchedView>& views, Layout before, c
                                                                  : part - 1);
             for (std::size_t c = 0; c < 3; ++c)
                 to[after.weight(part) + c] =
-                    elementary::log(std::max(weight_at(theta, row, c), k_min_share * largest[row] + k_min_weight));
+                    elementary::log(std::max(weight_at(theta, row, c), k_min_fraction * largest[row] + k_min_weight));
         }
     }
     return longer;
@@ -530,4 +530,4 @@ Result<ClosureSum> fit_closures(const Evaluate& f, const ClosureFitOptions& opti
     return best;
 }
 
-}  // namespace srbf
+}  // namespace

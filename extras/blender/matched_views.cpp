@@ -16,9 +16,9 @@ namespace {
 constexpr double k_last_view = 88.5 * k_degree, k_last_light = 88.9 * k_degree;
 constexpr int k_light_points = 440;   ///< directions to the light of a view, and more of others
 constexpr int k_further_points = 13;  ///< times 0 to 6, so that neighbouring views have other directions
-/// A closure is blurred to this share of a direction's solid angle: enough that none hides between directions.
+/// A closure is blurred to this fraction of a direction's solid angle: enough that none hides between directions.
 constexpr double k_blur = 0.1;
-constexpr double k_grazing_weight = 0.06;  ///< a term of a view's weight, beside sin θv cos θv, its share of a disc
+constexpr double k_grazing_weight = 0.06;  ///< a term of a view's weight, beside sin θv cos θv, its fraction of a disc
 /// Weights of directional lights are the density of the points to this power; −1 would make them uniform over the
 /// hemisphere, and 0 prefer highlights.
 constexpr double k_density_power = -0.6;
@@ -119,15 +119,15 @@ void add_directional_pixels(std::vector<MatchedView>& views) {
         double sum = 0;
         for (std::size_t i = 0; i < view.lights.size(); ++i) {
             const double sine = std::sqrt(std::max(1 - elementary::square(dot(view.lights[i].wl, view.wv)), 0.0)),
-                         share = elementary::pow(view.pdf[i], k_density_power) / std::max(sine, k_min_sine);
-            view.pixels.push_back({i, {exposures.at(view.lights[i].wl, view.wv)}, view.weight * share});
-            sum += share;
+                         fraction = elementary::pow(view.pdf[i], k_density_power) / std::max(sine, k_min_sine);
+            view.pixels.push_back({i, {exposures.at(view.lights[i].wl, view.wv)}, view.weight * fraction});
+            sum += fraction;
         }
-        for (MatchedPixel& pixel : view.pixels) pixel.share /= sum;
+        for (MatchedPixel& pixel : view.pixels) pixel.fraction /= sum;
         total += view.weight;
     }
     for (MatchedView& view : views)
-        for (MatchedPixel& pixel : view.pixels) pixel.share /= total;
+        for (MatchedPixel& pixel : view.pixels) pixel.fraction /= total;
 }
 
 void add_extended_pixels(std::vector<MatchedView>& views) {
@@ -182,4 +182,4 @@ std::vector<MatchedView> matched_views(const Evaluate& f, std::size_t count, int
     return views;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -13,7 +13,7 @@ using Colour = std::array<double, 3>;
 struct MatchedPixel {
     std::size_t first;
     std::vector<double> weight;
-    double share;                     ///< weight of the pixel in the loss
+    double fraction;                  ///< weight of the pixel in the loss
     Colour colour{}, limit{}, itp{};  ///< the measurement's colour; the limit of `shown`
 };
 /// The pixels of all lights at points of the sphere with one θv. The frame is the same as for `ClosureTerm`.
@@ -31,8 +31,8 @@ inline Colour shown(const Colour& colour, const Colour& limit) {
     return {std::min(colour[0], limit[0]), std::min(colour[1], limit[1]), std::min(colour[2], limit[2])};
 }
 
-/// `count` views from the normal to the horizon with pixels under directional and extended lights. The shares of each
-/// kind sum to 1. Views without a measurement are left out.
+/// `count` views from the normal to the horizon with pixels under directional and extended lights. The fractions of
+/// each kind sum to 1. Views without a measurement are left out.
 std::vector<MatchedView> matched_views(const Evaluate& f, std::size_t count, int threads);
 
-}  // namespace srbf
+}  // namespace

@@ -7,7 +7,7 @@
 
 namespace SRBF_NAMESPACE {
 
-Result<Done> check_reflection(const Subject& subject, std::string_view to) {
+Result<Done> check_reflection(const LoadedFile& subject, std::string_view to) {
     const auto refused = [&](const char* expected, const char* found) {
         return Error{subject.path, {}, "input for " + std::string(to), expected, found, ErrorCode::argument};
     };
@@ -57,4 +57,4 @@ std::string blender_script(std::span<const NamedClosures> materials) {
     return text + "]\n" + k_nodes_text;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -426,4 +426,4 @@ Result<Measured> read_as_bsdf_xml(std::span<const std::byte> bytes, const std::s
     return measured;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -38,4 +38,4 @@ EvaluatedTable as_evaluated_table(TreeTable tree) {
     return evaluated_table(table, std::move(functions));
 }
 
-}  // namespace srbf
+}  // namespace

@@ -29,14 +29,14 @@ constexpr int k_max_rounds = 3;
 constexpr double k_min_gain_of_round = 0.02;
 /// Starts and perturbations are few, since most matrices are smooth and each fit is repeated.
 constexpr int k_starts = 8, k_perturbations = 12;
-/// Half of `k_good_share`, the required relative accuracy of the sums.
+/// Half of `k_good_fraction`, the required relative accuracy of the sums.
 constexpr double k_integral_error = 0.005;
 /// The sizes that are tried, and the errors that are good enough (`fit_patches`).
 struct Size {
     int lobes, variates;
 };
 constexpr Size k_sizes[] = {{1, 1}, {1, 2}, {2, 2}, {3, 2}, {4, 3}, {6, 3}, {8, 4}};
-constexpr double k_good_error = 1e-3, k_good_share = 0.01, k_good_sum = 0.001;
+constexpr double k_good_error = 1e-3, k_good_fraction = 0.01, k_good_sum = 0.001;
 /// If the error is this many times the goal, skip directly to the largest size.
 constexpr double k_far = 100;
 /// The least width of a lobe, as a fraction of the width of the narrowest ring of patches.
@@ -96,7 +96,7 @@ std::vector<Hemispherical> sums_without_beams(const KlemsTable& table, std::span
 }
 
 bool is_good(const Hemispherical& sum) {
-    return std::abs(sum.fitted - sum.measured) <= std::max(k_good_share * sum.measured, k_good_sum);
+    return std::abs(sum.fitted - sum.measured) <= std::max(k_good_fraction * sum.measured, k_good_sum);
 }
 
 /// The width of the narrowest ring [rad]. For the cap at the normal, the width is its diameter.
@@ -248,7 +248,7 @@ std::vector<Hemispherical> hemispherical(const KlemsTable& table, const Evaluate
     for (std::size_t k = 0; k < hemispherical_sums.size(); ++k) {
         if (!table.beam.empty()) hemispherical_sums[k].measured += double(table.beam[incident[k]].g);
         hemispherical_sums[k].fitted +=
-            double(share_at(beams, part, light_at(table.incident.middle_of(incident[k]))).g);
+            double(fraction_at(beams, part, light_at(table.incident.middle_of(incident[k]))).g);
     }
     return hemispherical_sums;
 }
@@ -289,4 +289,4 @@ Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& reques
     return outcome;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -5,7 +5,7 @@
 
 namespace SRBF_NAMESPACE {
 
-inline constexpr PatchFit k_daylight_fits[] = {
+inline constexpr PatchFitter k_daylight_fits[] = {
     {"patches", [](const Measured& part) { return table_as<KlemsTable>(part) != nullptr; },
      [](const Measured& part, const FitRequest& request, const ProgressToken& progress) {
          return fit_patches(*table_as<KlemsTable>(part), request, progress);
@@ -17,4 +17,4 @@ inline constexpr PatchFit k_daylight_fits[] = {
          return hemispherical(*table_as<KlemsTable>(measured), f, beams, part);
      }}};
 
-}  // namespace srbf
+}  // namespace

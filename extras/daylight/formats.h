@@ -25,4 +25,4 @@ inline constexpr Format k_daylight_formats[] = {
      .option = &k_klems_option},
 };
 
-}  // namespace srbf
+}  // namespace

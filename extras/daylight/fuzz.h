@@ -18,7 +18,7 @@ inline void check_bsdf_xml(std::span<const std::byte> bytes) {
         for (const Beam& beam : table->band().beam)
             for (const Vec3f& wl : {Vec3f{1, 0, 0}, {-0.5f, -0.5f, 1e-4f}, {0.6f, -0.7f, 0.3f}, {0, 0, 1}})
                 for (int c = 0; c < 3; ++c)
-                    require(share_at(beam, wl)[c] >= 0 && share_at(beam, wl)[c] <= 1, "a share");
+                    require(fraction_at(beam, wl)[c] >= 0 && fraction_at(beam, wl)[c] <= 1, "a share");
         const auto& parts = table->band().part;
         if (std::ranges::none_of(parts, [](const auto& part) { return part && table_as<TreeTable>(*part); }))
             check_written_xml(*table);
@@ -28,4 +28,4 @@ inline void check_bsdf_xml(std::span<const std::byte> bytes) {
 
 inline const NamedTarget k_daylight_targets[] = {{"bsdf_xml", check_bsdf_xml}};
 
-}  // namespace srbf
+}  // namespace

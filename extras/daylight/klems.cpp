@@ -229,13 +229,13 @@ Beam beam_of(const KlemsTable& table) {
         std::vector<Rgb> nodes(n);
         // In the frame of a part, a patch at the azimuth φ of the basis has its light at −φ.
         for (std::size_t k = 0; k < n; ++k) nodes[(n - k) % n] = table.beam[table.incident.first_of(ring) + k];
-        const Rgb mean = mean_share(nodes);
+        const Rgb mean = mean_fraction(nodes);
         if (n > k_max_beam_nodes ||
-            std::ranges::all_of(nodes, [&](const Rgb& node) { return are_same_share(node, mean); }))
+            std::ranges::all_of(nodes, [&](const Rgb& node) { return are_same_fraction(node, mean); }))
             nodes = {mean};
         beam.theta.push_back(table.incident.rings[ring].theta);
         beam.azimuths.push_back(int(nodes.size()));
-        beam.share.insert(beam.share.end(), nodes.begin(), nodes.end());
+        beam.fraction.insert(beam.fraction.end(), nodes.begin(), nodes.end());
     }
     if (std::ranges::all_of(beam.azimuths, [](int n) { return n == 1; })) beam.azimuths.clear();
     return beam;
@@ -260,4 +260,4 @@ Beams separate_beams(const std::array<KlemsTable*, k_parts>& matrices) {
     return beams;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -42,4 +42,4 @@ bool is_peak_of_beam(double value, double around, double typical);
 /// one direction is also one in the other. Returns the beams of the BSDF, merged.
 Beams separate_beams(const std::array<KlemsTable*, k_parts>& matrices);
 
-}  // namespace srbf
+}  // namespace

@@ -201,4 +201,4 @@ Rgb signed_value(const TreeTable& table, Vec3f wl, Vec3f wv) {
     return to_rgb(Xyz{xyz.x * white.x, xyz.y, xyz.z * white.z});
 }
 
-}  // namespace srbf
+}  // namespace

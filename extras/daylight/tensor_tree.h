@@ -20,4 +20,4 @@ std::size_t max_tree_bytes(std::string_view text);
 /// commas. An error has the byte offset in `text`, and no source.
 Result<TensorTree> read_tensor_tree(std::string_view text, int rank);
 
-}  // namespace srbf
+}  // namespace

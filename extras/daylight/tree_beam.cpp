@@ -17,8 +17,8 @@ constexpr double k_peak_reach = 3.5;
 constexpr int k_beam_rings = 18, k_beam_nodes = 24;
 constexpr double k_ring_width = 5 * k_degree;
 /// A node is the mean over this many points of the peak and of angles within half a ring of the node. From leaf to
-/// leaf the share varies by up to a tenth.
-constexpr int k_share_points = 16384;
+/// leaf the fraction varies by up to a tenth.
+constexpr int k_fraction_points = 16384;
 /// Directions around a peak, and directions over the hemisphere.
 constexpr int k_about_peak = 16, k_away_from_peak = 128;
 /// Directions belong to the hemisphere up to this sine of the polar angle.
@@ -67,13 +67,13 @@ struct PeakedTree {
 
 /// The mean of ∫ (f − without_peak) cosθv dωv over the peak, for angles within half a ring of (theta, phi),
 /// weighted by projected solid angle.
-Rgb mean_share(const PeakedTree& peaked, double theta, double phi) {
+Rgb mean_fraction(const PeakedTree& peaked, double theta, double phi) {
     const auto squared_sine = [](double angle) { return elementary::square(elementary::sin(angle)); };
     const double lower = squared_sine(std::max(theta - k_ring_width / 2, 0.0)),
                  upper = squared_sine(std::min(theta + k_ring_width / 2, k_pi / 2)), reach = peaked.reach;
     std::array<double, 3> sum{};
     RSequence<3> sequence;
-    for (int k = 0; k < k_share_points; ++k) {
+    for (int k = 0; k < k_fraction_points; ++k) {
         const auto& u = sequence.next();
         const double sine = std::sqrt(lower + u[0] * (upper - lower)), x = (2 * u[1] - 1) * reach,
                      y = (2 * u[2] - 1) * reach;
@@ -84,9 +84,9 @@ Rgb mean_share(const PeakedTree& peaked, double theta, double phi) {
         const Rgb whole = peaked.f(wl, *wv), base = peaked.without_peak(wl, *wv);
         for (int c = 0; c < 3; ++c) sum[std::size_t(c)] += double(whole[c] - base[c]);
     }
-    const double area = elementary::square(2 * reach) / k_share_points;
-    const auto share = [&](int c) { return float(std::clamp(sum[std::size_t(c)] * area, 0.0, 1.0)); };
-    return {share(0), share(1), share(2)};
+    const double area = elementary::square(2 * reach) / k_fraction_points;
+    const auto fraction = [&](int c) { return float(std::clamp(sum[std::size_t(c)] * area, 0.0, 1.0)); };
+    return {fraction(0), fraction(1), fraction(2)};
 }
 
 }  // namespace
@@ -105,7 +105,7 @@ std::optional<SeparatedBeam> separated_beam(const std::shared_ptr<const TreeTabl
         for (int k = 0; k < n; ++k) {
             const double phi = 2 * k_pi * k / n;
             is_beam = is_beam || peaked.is_beam(to_float(spherical(theta, phi)));
-            beam.share.push_back(mean_share(peaked, theta, phi));
+            beam.fraction.push_back(mean_fraction(peaked, theta, phi));
         }
     }
     if (!is_beam) return {};
@@ -116,4 +116,4 @@ std::optional<SeparatedBeam> separated_beam(const std::shared_ptr<const TreeTabl
     return SeparatedBeam{base, std::move(beam)};
 }
 
-}  // namespace srbf
+}  // namespace

@@ -9,4 +9,4 @@ namespace SRBF_NAMESPACE {
 /// the tree without it; none if there is no such peak. A lobe wider than the leaves is not a beam.
 std::optional<SeparatedBeam> separated_beam(const std::shared_ptr<const TreeTable>& tree);
 
-}  // namespace srbf
+}  // namespace

@@ -106,7 +106,7 @@ KlemsTable klems_of(const Measured* measured, const TableSource& source, Part pa
 /// A band of matrices that include the beams of their parts.
 BsdfTable::Band patches_of(std::string name, const TableSource& source, const TableOptions& options) {
     const auto* bsdf =
-        source.measured && !source.measured->exchanged ? std::get_if<BsdfTable>(&source.measured->table) : nullptr;
+        source.measured && !source.measured->is_exchanged ? std::get_if<BsdfTable>(&source.measured->table) : nullptr;
     BsdfTable::Band band{std::move(name), {}, {}};
     for (std::size_t p = 0; p < k_parts; ++p)
         if (source.has[p])
@@ -157,7 +157,7 @@ void add_beam(KlemsTable& table, const Beams& beams, Part part) {
         return;
     table.beam.clear();
     for (std::size_t i = 0; i < table.incident.patches(); ++i)
-        table.beam.push_back(share_at(beams, part, light_at(table.incident.middle_of(i))));
+        table.beam.push_back(fraction_at(beams, part, light_at(table.incident.middle_of(i))));
 }
 
 std::string write_bsdf_xml(const BsdfTable& table) {
@@ -208,4 +208,4 @@ Result<std::vector<std::byte>> write_as_bsdf_xml(const TableSource& source, cons
     return bytes_of(write_bsdf_xml(matrices));
 }
 
-}  // namespace srbf
+}  // namespace

@@ -64,4 +64,4 @@ ExtendedLight extended_light(const PreparedBrdf& brdf, const ExtendedLightOption
     return light;
 }
 
-}  // namespace srbf
+}  // namespace

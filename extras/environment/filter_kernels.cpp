@@ -90,4 +90,4 @@ float filter_kernel(float roughness, float cosine, MapLevels levels) {
     return float(at_level(below) + (x - below) * (at_level(below + 1) - at_level(below)));
 }
 
-}  // namespace srbf
+}  // namespace

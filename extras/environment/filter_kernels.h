@@ -78,4 +78,4 @@ class BlurredKernels {
     std::vector<double> values_;
 };
 
-}  // namespace srbf
+}  // namespace

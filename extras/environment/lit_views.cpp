@@ -167,4 +167,4 @@ LitView lit_view(const AveragedBrdf& brdf, double cosine) {
 
 double fitted_cosine(std::size_t view) { return std::clamp(ExtendedLight::cosine(int(view)), 1e-4, 0.9999); }
 
-}  // namespace srbf
+}  // namespace

@@ -78,4 +78,4 @@ LitView lit_view(const AveragedBrdf& brdf, double cosine);
 /// The cosine of a node's view in fits: at the horizon views have no limit, along the normal no plane of incidence.
 double fitted_cosine(std::size_t view);
 
-}  // namespace srbf
+}  // namespace

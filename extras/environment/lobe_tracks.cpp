@@ -67,7 +67,8 @@ class TrackProblem {
             for (MatrixXd* lobe_columns : {&lobe_radiance_, &by_axis_, &by_roughness_})
                 lobe_columns->resize(n, free_lobes_ + 1);
         }
-        for (int k = 0; k <= free_lobes_; ++k) k == 0 ? set_lobe(0, 0, 1) : set_lobe(k, x[2 * k - 2], x[2 * k - 1]);
+        set_lobe(0, 0, 1);
+        for (int k = 1; k <= free_lobes_; ++k) set_lobe(k, x[2 * k - 2], x[2 * k - 1]);
         double sum = smoothness_.dot((x - near_).cwiseAbs2());
         for (int c = 0; c < 3; ++c) {
             solve(c, channels_[std::size_t(c)]);
@@ -256,4 +257,4 @@ MatrixXd fractions_of(const std::vector<LitView>& views, const BlurredKernels& k
     return fractions;
 }
 
-}  // namespace srbf
+}  // namespace

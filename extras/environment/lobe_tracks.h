@@ -28,4 +28,4 @@ class LobeTracks {
 Eigen::MatrixXd fractions_of(const std::vector<LitView>& views, const BlurredKernels& kernels,
                              const LobeTracks& tracks);
 
-}  // namespace srbf
+}  // namespace

@@ -93,4 +93,4 @@ SharedLight shared_light(const PmModel& model, const ExtendedLightOptions& optio
     return light;
 }
 
-}  // namespace srbf
+}  // namespace

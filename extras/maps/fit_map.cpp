@@ -92,7 +92,7 @@ std::unique_ptr<PackedObservations> pack_for_map(const Observations& observation
     candidate.lobes = lobes;
     subsets.add_exceeded_pairs({candidate}, lobes.shape);
     const double importance = observations.views.empty() ? 0 : subsets.picture_importance(candidate);
-    return std::make_unique<PackedObservations>(subsets.rows(Pairs::selection, {.pictures = importance}));
+    return std::make_unique<PackedObservations>(subsets.rows(RowSet::selection, {.pictures = importance}));
 }
 
 /// Lets lobes follow all terms of the materials' objectives.
@@ -138,7 +138,7 @@ TexelMap map_of(const Observed& observed, const MapOptions& options, Reporter& r
     on_threads(options.threads, [&] {
         std::vector<std::unique_ptr<PackedObservations>> rows;
         for (const auto& observations : observed)
-            rows.push_back(std::make_unique<PackedObservations>(Subsets(*observations).rows(Pairs::search, {})));
+            rows.push_back(std::make_unique<PackedObservations>(Subsets(*observations).rows(RowSet::search, {})));
         Lobes lobes = search_for_lobes(rows, options, reporter);
         lobes = refine(std::move(lobes), observed, reporter);
         map.basis = basis_model(lobes);
@@ -246,4 +246,4 @@ Result<TexelMap> fit_map(const SharedPairs& pairs, std::span<const Rgb> f, const
     return best;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -62,4 +62,4 @@ Result<NpyHead> read_npy_head(std::span<const std::byte> beginning, std::uint64_
     return head;
 }
 
-}  // namespace srbf
+}  // namespace

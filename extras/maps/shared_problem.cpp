@@ -67,4 +67,4 @@ std::vector<double> SharedProblem::best_addition(const std::vector<std::vector<d
     return sum.size() > 0 && sum.maxCoeff(&best) > 0 ? candidates[std::size_t(best)] : std::vector<double>();
 }
 
-}  // namespace srbf
+}  // namespace

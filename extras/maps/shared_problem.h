@@ -34,4 +34,4 @@ class SharedProblem {
     std::vector<double> factor_, loss_;  ///< 1 / r_t; L_t
 };
 
-}  // namespace srbf
+}  // namespace

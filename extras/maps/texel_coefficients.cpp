@@ -22,7 +22,7 @@ constexpr double k_unlimited = std::numeric_limits<double>::infinity();
 constexpr std::size_t k_texels_of_task = 16 * k_block_texels;
 /// Smaller values of a lobe, relative to its largest, are 0: their products would be subnormal.
 constexpr double k_min_value = 1e-15;
-/// A texel whose coefficients exceed 16-bit floats loses its largest values, at most this share of them.
+/// A texel whose coefficients exceed 16-bit floats loses its largest values, at most this fraction of them.
 constexpr double k_max_left_out = 1.0 / 16;
 
 /// The values of lobe j, with coefficient 1, at pairs of directions.
@@ -36,9 +36,9 @@ std::vector<Rgb> lobe_values(const TexelMap& map, std::size_t j, std::span<const
 
 /// The largest coefficient of each lobe in the texels in which the lobes were found, relative to the texel's largest
 /// f cosθl cosθv.
-std::vector<double> largest_shares(const TexelMap& map, const SharedPairs& pairs) {
+std::vector<double> largest_fractions(const TexelMap& map, const SharedPairs& pairs) {
     const auto J = std::size_t(map.basis.lobes);
-    std::vector<double> shares(J);
+    std::vector<double> fractions(J);
     std::vector<Rgb> f(pairs.wl.size());
     for (std::size_t t = 0; t < map.count(); ++t) {
         evaluate(texel(map, t), pairs.wl, pairs.wv, f);
@@ -46,9 +46,9 @@ std::vector<double> largest_shares(const TexelMap& map, const SharedPairs& pairs
         for (std::size_t i = 0; i < f.size(); ++i)
             sampled = std::max(sampled, largest_of(f[i]) * cosines(pairs.wl[i], pairs.wv[i]));
         for (std::size_t j = 0; j < J && sampled > 0; ++j)
-            shares[j] = std::max(shares[j], largest_of(map.coefficient[t * J + j]) / sampled);
+            fractions[j] = std::max(fractions[j], largest_of(map.coefficient[t * J + j]) / sampled);
     }
-    return shares;
+    return fractions;
 }
 
 /// The lobes at the samples, and how far the samples constrain them.
@@ -72,7 +72,7 @@ SampledLobes sampled_lobes(const TexelMap& map, const SharedPairs& pairs, std::s
     for (const auto& grid : {horizon_grid(), grazing_grid()})
         for (const DirectionPair& pair : grid) wl.push_back(pair.wl), wv.push_back(pair.wv);
     const std::size_t J = std::size_t(map.basis.lobes);
-    const std::vector<double> shares = largest_shares(map, pairs);
+    const std::vector<double> fractions = largest_fractions(map, pairs);
     SampledLobes lobes{{}, {}, std::vector<double>(J), {}, {}};
     for (std::size_t j = 0; j < J; ++j) {
         double at_samples = 0, between = 0, beyond = 0, scale = 0;
@@ -97,7 +97,7 @@ SampledLobes sampled_lobes(const TexelMap& map, const SharedPairs& pairs, std::s
         if (is_constrained)
             lobes.constrained.push_back(j);
         else
-            lobes.largest[j] = std::min(lobes.largest[j], k_max_excess * shares[j]);
+            lobes.largest[j] = std::min(lobes.largest[j], k_max_excess * fractions[j]);
     }
     return lobes;
 }
@@ -286,18 +286,18 @@ TexelCoefficients coefficients_of_texels(const TexelMap& map, const SharedPairs&
     return texels;
 }
 
-TexelCoefficients painted_texels(const TexelMap& materials, std::span<const float> shares) {
+TexelCoefficients painted_texels(const TexelMap& materials, std::span<const float> fractions) {
     const StandardArithmetic mode;
-    const std::size_t K = materials.count(), T = shares.size() / K, J = std::size_t(materials.basis.lobes);
+    const std::size_t K = materials.count(), T = fractions.size() / K, J = std::size_t(materials.basis.lobes);
     TexelCoefficients texels{std::vector<Rgb>(T * J), std::vector<float>(T), std::vector<TexelState>(T),
                              std::vector<std::uint32_t>(T)};
     for (std::size_t t = 0; t < T; ++t) {
         Rgb* const beta = &texels.coefficient[t * J];
         for (std::size_t k = 0; k < K; ++k) {
-            const float share = shares[t * K + k];
-            texels.error[t] += share * materials.error[k];
+            const float fraction = fractions[t * K + k];
+            texels.error[t] += fraction * materials.error[k];
             for (std::size_t j = 0; j < J; ++j)
-                for (int c = 0; c < 3; ++c) beta[j][c] += share * materials.coefficient[k * J + j][c];
+                for (int c = 0; c < 3; ++c) beta[j][c] += fraction * materials.coefficient[k * J + j][c];
         }
         for (std::size_t j = 0; j < J; ++j)
             for (int c = 0; c < 3; ++c) beta[j][c] = round_to_half(std::min(beta[j][c], k_half_max));
@@ -305,4 +305,4 @@ TexelCoefficients painted_texels(const TexelMap& materials, std::span<const floa
     return texels;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -40,15 +40,15 @@ HWY_INLINE Batch quantile(const float* x, const TexelPairs& pairs, std::size_t v
                     sums[k] + select(Batch::load(row(x, i + k) + v) < bound, number(pairs.cos_v[i + k]), Batch(0.0));
         return (sums[0] + sums[1]) + (sums[2] + sums[3]);
     };
-    const Batch share = Batch(k_bright_quantile) * sum_below(Batch(k_infinity));
+    const Batch fraction = Batch(k_bright_quantile) * sum_below(Batch(k_infinity));
     const Batch::Bits bits;
     auto found = hn::Zero(bits);
     for (int bit = 30; bit >= 12; --bit) {
         const auto trial = hn::Add(found, hn::Set(bits, std::int32_t(1) << bit));
-        const BatchMask is_above = sum_below(hn::BitCast(Lanes(), trial)) < share;
+        const BatchMask is_above = sum_below(hn::BitCast(Lanes(), trial)) < fraction;
         found = hn::IfThenElse(hn::RebindMask(bits, is_above), trial, found);
     }
-    return select(Batch(0.0) < share, Batch(hn::BitCast(Lanes(), found)), Batch(0.0));
+    return select(Batch(0.0) < fraction, Batch(hn::BitCast(Lanes(), found)), Batch(0.0));
 }
 
 HWY_INLINE Batch value(const TexelBlock& block, std::size_t i, std::size_t c, std::size_t v) {
@@ -208,7 +208,7 @@ void weighted_residuals(std::span<const float* const> columns, const float* beta
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace srbf
+}  // namespace
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
@@ -253,5 +253,5 @@ void weighted_residuals(std::span<const float* const> columns, const float* beta
     HWY_DYNAMIC_DISPATCH(weighted_residuals)(columns, beta, pairs, block, residual);
 }
 
-}  // namespace srbf
+}  // namespace
 #endif

@@ -43,4 +43,4 @@ void weighted_products(std::span<const float* const> columns, const TexelPairs& 
 void weighted_residuals(std::span<const float* const> columns, const float* beta, const TexelPairs& pairs,
                         const TexelBlock& block, float* residual);
 
-}  // namespace srbf
+}  // namespace

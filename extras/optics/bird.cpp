@@ -131,4 +131,4 @@ Result<ScatteredSamples> read_bird(std::span<const std::byte> bytes, const std::
     return samples_of_rows(rows, bytes.size(), file_name, std::move(sax.description));
 }
 
-}  // namespace srbf
+}  // namespace

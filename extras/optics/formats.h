@@ -54,4 +54,4 @@ inline constexpr Format k_optics_formats[] = {
     {.name = "BiRD", .is_text = true, .recognise = in_text<is_bird>, .read = read_by<read_bird>},
 };
 
-}  // namespace srbf
+}  // namespace

@@ -83,4 +83,4 @@ Result<ScatteredSamples> read_fred(std::span<const std::byte> bytes, const std::
     return samples;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -16,4 +16,4 @@ inline void check_zemax(std::span<const std::byte> bytes) {
 
 inline const NamedTarget k_optics_targets[] = {{"zemax", check_zemax}};
 
-}  // namespace srbf
+}  // namespace

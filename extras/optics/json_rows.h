@@ -53,4 +53,4 @@ struct JsonRows : nlohmann::json_sax<nlohmann::json> {
     }
 };
 
-}  // namespace srbf
+}  // namespace

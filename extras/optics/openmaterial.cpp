@@ -226,4 +226,4 @@ Result<std::vector<std::byte>> write_as_openmaterial(const TableSource& source, 
     return bytes_of(write_openmaterial(samples));
 }
 
-}  // namespace srbf
+}  // namespace

@@ -73,4 +73,4 @@ double light_azimuth(const ScatterTable& table, double rotation);
 /// of 0.
 void mask_gaps(ScatterTable& table);
 
-}  // namespace srbf
+}  // namespace

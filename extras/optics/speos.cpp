@@ -92,7 +92,7 @@ ScatterTable::Slice read_speos_slice(ScatterText& text, const SpeosSide& side, f
     return slice;
 }
 
-/// The factor for values whose integral is `found` if the file states the share of light `stated`.
+/// The factor for values whose integral is `found` if the file states the fraction of light `stated`.
 double speos_scale(double found, double stated) {
     return found > 0 && stated > 0 && !(std::abs(found - stated) <= k_same_percentage * stated) ? stated / found : 1;
 }
@@ -171,11 +171,11 @@ void read_spectral(ScatterText& text, std::array<SpeosSide, 2>& sides, bool are_
         std::vector<float> percent(n_wavelengths);
         for (const float theta : incidences)
             for (std::size_t k = 0; k < n_wavelengths && !text.error(); ++k) {
-                const float share = speos_percentage(text);
+                const float fraction = speos_percentage(text);
                 ScatterTable::Slice slice = read_speos_slice(text, sides[s], theta, are_bsdf);
                 if (text.error()) return;
-                percent[k] += share / float(n_incidences);
-                const double scale = speos_scale(scatter_integral(table, slice), double(share) / 100);
+                percent[k] += fraction / float(n_incidences);
+                const double scale = speos_scale(scatter_integral(table, slice), double(fraction) / 100);
                 for (float& f : slice.f) f = float(scale / double(n_wavelengths) * double(f));
                 if (k == 0) {
                     table.slices.push_back(std::move(slice));
@@ -291,4 +291,4 @@ Result<std::vector<std::byte>> write_as_speos(const TableSource& source, const T
     return bytes_of(write_speos(pointers));
 }
 
-}  // namespace srbf
+}  // namespace

@@ -196,4 +196,4 @@ Result<std::vector<std::byte>> write_as_zemax(const TableSource& source, const T
     return bytes_of(write_zemax(tables[0]));
 }
 
-}  // namespace srbf
+}  // namespace

@@ -72,4 +72,4 @@ std::string chart_drawing(const Chart& chart) {
     return svg + "</svg>\n";
 }
 
-}  // namespace srbf
+}  // namespace

@@ -25,4 +25,4 @@ struct Chart {
 /// A drawing (SVG) of the series with two logarithmic axes. y is a ratio, labelled in per cent.
 std::string chart_drawing(const Chart& chart);
 
-}  // namespace srbf
+}  // namespace

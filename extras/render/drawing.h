@@ -22,4 +22,4 @@ inline std::string power_of_ten(int exponent) {
     return fmt::format("10<tspan dy='-4' font-size='8'>{}</tspan>", exponent);
 }
 
-}  // namespace srbf
+}  // namespace

@@ -256,4 +256,4 @@ Result<Environment> load_environment(const std::string& name) {
     });
 }
 
-}  // namespace srbf
+}  // namespace

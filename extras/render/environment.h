@@ -57,4 +57,4 @@ Result<Environment> read_environment(std::span<const std::byte> bytes, const std
 Result<Environment> load_environment(const std::string& name);
 inline constexpr std::string_view k_built_in_environment = "studio";
 
-}  // namespace srbf
+}  // namespace

@@ -230,4 +230,4 @@ Result<Image> read_exr(std::span<const std::byte> bytes, const std::string& file
     }
 }
 
-}  // namespace srbf
+}  // namespace

@@ -35,4 +35,4 @@ Result<Done> check_exr_header(std::span<const std::byte> start, std::uint64_t si
 inline constexpr std::int64_t k_max_texels = std::int64_t(1) << 26;
 bool is_exr(std::span<const std::byte> bytes);
 
-}  // namespace srbf
+}  // namespace

@@ -92,4 +92,4 @@ Image8 in_false_colours(const std::vector<double>& map, int width, int height) {
     return image;
 }
 
-}  // namespace srbf
+}  // namespace

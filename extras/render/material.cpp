@@ -71,4 +71,4 @@ Result<Material> material_of(const AnyBrdf& brdf, const std::string& path) {
     return Material(tabulate_merl(evaluator(measured)));
 }
 
-}  // namespace srbf
+}  // namespace

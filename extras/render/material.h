@@ -16,4 +16,4 @@ Material material_of(const Model& model);
 /// The size of the tables of a BSDF.
 inline constexpr std::array<std::uint32_t, 3> k_bsdf_table{128, 45, 48};
 
-}  // namespace srbf
+}  // namespace

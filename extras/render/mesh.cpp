@@ -164,4 +164,4 @@ Mesh knot(int along, int around) {
     return mesh;
 }
 
-}  // namespace srbf
+}  // namespace

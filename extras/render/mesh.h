@@ -68,4 +68,4 @@ Mesh ball(int rings = 96);
 /// around it once, with u along it.
 Mesh knot(int along = 480, int around = 64);
 
-}  // namespace srbf
+}  // namespace

@@ -399,4 +399,4 @@ Result<Mesh> read_obj(std::span<const std::byte> bytes, const std::string& file_
     return complete_mesh(std::move(mesh), file_name);
 }
 
-}  // namespace srbf
+}  // namespace

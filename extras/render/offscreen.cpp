@@ -105,4 +105,4 @@ std::string OffscreenContext::renderer() const {
     return fmt::format("{}, {}", text(GL_RENDERER), text(GL_VERSION));
 }
 
-}  // namespace srbf
+}  // namespace

@@ -28,4 +28,4 @@ class OffscreenContext {
     Dialect dialect_{};
 };
 
-}  // namespace srbf
+}  // namespace

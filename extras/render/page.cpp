@@ -371,4 +371,4 @@ std::string page_html(const Page& page) {
     return filled(k_frame_text, parts);
 }
 
-}  // namespace srbf
+}  // namespace

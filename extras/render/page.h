@@ -61,4 +61,4 @@ inline constexpr std::array<double, 4> k_slice_theta_behind{180, 150, 120, 105};
 /// Maximum θ_h, θ_d, φ_d nodes of a table for its picture; `picture_note` should mention the loss.
 inline constexpr std::array<std::uint32_t, 3> k_page_table{128, 45, 24};
 
-}  // namespace srbf
+}  // namespace

@@ -5,4 +5,4 @@ namespace SRBF_NAMESPACE {
 
 Image page_environment() { return halved(load_environment(std::string(k_built_in_environment))->texels()); }
 
-}  // namespace srbf
+}  // namespace

@@ -288,7 +288,7 @@ class Tracer {
 
 }  // namespace
 
-Rgb mask_shares(const Image& mask, std::size_t materials, Vec2f uv) {
+Rgb mask_fractions(const Image& mask, std::size_t materials, Vec2f uv) {
     const auto wrapped = [](float at, int size) { return (int(at) % size + size) % size; };
     const float x = (uv.x - std::floor(uv.x)) * float(mask.width) - 0.5f,
                 y = (uv.y - std::floor(uv.y)) * float(mask.height) - 0.5f;
@@ -302,8 +302,8 @@ Rgb mask_shares(const Image& mask, std::size_t materials, Vec2f uv) {
 }
 
 const PreparedBsdf& MaskedMaterials::chosen(Vec2f uv, float selector) const {
-    const Rgb shares = mask_shares(mask, materials.size(), uv);
-    return materials[selector < shares.g ? 1 : selector < shares.g + shares.b ? 2 : 0];
+    const Rgb fractions = mask_fractions(mask, materials.size(), uv);
+    return materials[selector < fractions.g ? 1 : selector < fractions.g + fractions.b ? 2 : 0];
 }
 
 PathPicture render_paths(const PathScene& scene, const PathOptions& options) {
@@ -383,4 +383,4 @@ Mesh ground_below(const Mesh& mesh, Vec3d up, double size) {
     return ground;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -18,17 +18,17 @@ struct AreaLight {
     Rgb radiance;
 };
 
-/// The shares of the first, second and third of `materials`, two or three, at (u, v) of a mask. Red is the share of the
-/// second material, green the share of the third, clamped to 1 − red, and the first has the rest. The mask repeats, and
-/// is interpolated as a map is (prepared_map.h).
-Rgb mask_shares(const Image& mask, std::size_t materials, Vec2f uv);
+/// The fractions of the first, second and third of `materials`, two or three, at (u, v) of a mask. Red is the fraction
+/// of the second material, green the fraction of the third, clamped to 1 − red, and the first has the rest. The mask
+/// repeats, and is interpolated as a map is (prepared_map.h).
+Rgb mask_fractions(const Image& mask, std::size_t materials, Vec2f uv);
 
-/// Two or three materials, mixed by `mask_shares` at each point of a mesh with texture coordinates.
+/// Two or three materials, mixed by `mask_fractions` at each point of a mesh with texture coordinates.
 struct MaskedMaterials {
     std::vector<PreparedBsdf> materials;
     Image mask;
 
-    /// The material that a path meets at (u, v), for a number uniform in [0, 1): each with its share as probability.
+    /// The material that a path meets at (u, v), for a number uniform in [0, 1): each with its fraction as probability.
     const PreparedBsdf& chosen(Vec2f uv, float selector) const;
 };
 
@@ -85,4 +85,4 @@ PathPicture render_paths(const PathScene& scene, const PathOptions& options);
 /// A square on the ground below a mesh, `size` times as wide as the mesh, with its upper side towards `up`.
 Mesh ground_below(const Mesh& mesh, Vec3d up, double size = 40);
 
-}  // namespace srbf
+}  // namespace

@@ -39,4 +39,4 @@ ShaderText develop_shader_text(Dialect dialect) {
             version_text(dialect) + brdf_text(Flat{}) + k_shading_text + k_develop_text};
 }
 
-}  // namespace srbf
+}  // namespace

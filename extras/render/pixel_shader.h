@@ -48,4 +48,4 @@ ShaderText surface_shader_text(Dialect dialect);
 /// The shaders that display radiances, see extras/render/develop.glsl.
 ShaderText develop_shader_text(Dialect dialect);
 
-}  // namespace srbf
+}  // namespace

@@ -495,4 +495,4 @@ Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Mat
     return renderings;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -145,4 +145,4 @@ class RasterTarget {
 Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Material> materials, int width, int height,
                                          int samples = 4);
 
-}  // namespace srbf
+}  // namespace

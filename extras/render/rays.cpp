@@ -103,4 +103,4 @@ Vec2f texture_at(const Mesh& mesh, const Hit& hit) {
     return {weight * a.x + hit.u * b.x + hit.v * c.x, weight * a.y + hit.u * b.y + hit.v * c.y};
 }
 
-}  // namespace srbf
+}  // namespace

@@ -33,4 +33,4 @@ class Rays {
     std::shared_ptr<void> device_, scene_;
 };
 
-}  // namespace srbf
+}  // namespace

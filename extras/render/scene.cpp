@@ -72,4 +72,4 @@ Frame surface_frame(Vec3d n) {
     return {surface.tangent, surface.bitangent, surface.normal};
 }
 
-}  // namespace srbf
+}  // namespace

@@ -65,4 +65,4 @@ Scene scene_of(Mesh mesh, const Viewpoint& viewpoint, double aspect);
 /// b = n × t, n. At the poles t = (1, 0, 0).
 Frame surface_frame(Vec3d n);
 
-}  // namespace srbf
+}  // namespace

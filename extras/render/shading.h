@@ -22,4 +22,4 @@ template <typename Real_> struct ShadingFormulas {
 /// The functions of shading.glsl as static members.
 template <typename Real> using Shading = kernel::ShadingFormulas<Real>;
 
-}  // namespace srbf
+}  // namespace

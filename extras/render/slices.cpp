@@ -284,4 +284,4 @@ std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, Lob
     return svg + labels + "</svg>\n";
 }
 
-}  // namespace srbf
+}  // namespace

@@ -49,4 +49,4 @@ enum class LobeScale { linear, logarithmic };
 std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, LobeScale scale);
 inline constexpr int k_lobe_decades = 4;
 
-}  // namespace srbf
+}  // namespace

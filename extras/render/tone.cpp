@@ -39,4 +39,4 @@ Image8 shown(const Rendering& rendering, float exposure) {
     return out;
 }
 
-}  // namespace srbf
+}  // namespace

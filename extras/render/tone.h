@@ -29,4 +29,4 @@ struct Rendering {
 /// The displayed image: tone_map(radiance, exposure) over a neutral grey, k_background.
 Image8 shown(const Rendering& rendering, float exposure);
 
-}  // namespace srbf
+}  // namespace

@@ -170,4 +170,4 @@ Result<Done> time_study(Study&, const StudyOptions&) {
 }
 #endif
 
-}  // namespace srbf
+}  // namespace

@@ -504,4 +504,4 @@ std::string material_html(const Tables& tables, const Json& material, const Stud
                     "<p><a href='../index.html'>All materials</a></p>\n");
 }
 
-}  // namespace srbf
+}  // namespace

@@ -10,4 +10,4 @@ std::string index_html(const Tables& tables);
 /// The page of a material: its pictures, files to download, errors and lobes.
 std::string material_html(const Tables& tables, const Json& material, const Study& study);
 
-}  // namespace srbf
+}  // namespace

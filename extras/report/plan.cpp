@@ -12,7 +12,7 @@ namespace {
 /// A list of fits without duplicates. The last fit that is given a role has it.
 struct Plan {
     int threads;
-    std::vector<PlannedFit> fits;
+    std::vector<FitPlan> fits;
 
     void pm(PmForm form, int lobes, int variates, Objective objective, std::string role = {}) {
         PmRequest pm;
@@ -36,9 +36,9 @@ struct Plan {
     void add(decltype(FitRequest::model) model, Objective objective, std::string id, std::string role) {
         FitRequest request;
         request.model = std::move(model), request.objective = objective, request.threads = threads;
-        for (PlannedFit& other : fits)
+        for (FitPlan& other : fits)
             if (!role.empty() && other.role == role) other.role.clear();
-        const auto existing = std::ranges::find(fits, id, &PlannedFit::id);
+        const auto existing = std::ranges::find(fits, id, &FitPlan::id);
         if (existing == fits.end())
             fits.push_back({request, std::move(id), std::move(role)});
         else if (!role.empty())
@@ -127,7 +127,7 @@ std::string_view name(Sweep sweep) {
     return sweep == Sweep::whole ? "whole" : sweep == Sweep::quick ? "quick" : "least";
 }
 
-std::vector<PlannedFit> plan(const Measured& measured, Sweep sweep, int threads) {
+std::vector<FitPlan> plan(const Measured& measured, Sweep sweep, int threads) {
     Plan fits_to_make{threads, {}};
     if (sweep == Sweep::least)
         plan_least(fits_to_make);
@@ -140,4 +140,4 @@ std::vector<PlannedFit> plan(const Measured& measured, Sweep sweep, int threads)
     return std::move(fits_to_make.fits);
 }
 
-}  // namespace srbf
+}  // namespace

@@ -7,7 +7,7 @@
 namespace SRBF_NAMESPACE {
 
 /// A run of `srbf fit`.
-struct PlannedFit {
+struct FitPlan {
     FitRequest request;
     std::string id;    ///< "pm-extended-8x4-cosine"; unique among the fits of a material
     std::string role;  ///< role in pictures: "pm", "pm2", "su" or "ggx"; empty: not drawn
@@ -24,6 +24,6 @@ std::string_view name(Sweep sweep);
 /// The fits to a measurement: the sizes and forms of Table 7.1 and Figure 7.6 of Tsai 2009, other objectives, and
 /// baselines. The main fit, of the role "pm", has eight lobes of the form `extended`, which fits a table as measured;
 /// for scans it has six reciprocal lobes. Samples have fewer fits: each is cross-validated with about a dozen fits.
-std::vector<PlannedFit> plan(const Measured& measured, Sweep sweep, int threads);
+std::vector<FitPlan> plan(const Measured& measured, Sweep sweep, int threads);
 
-}  // namespace srbf
+}  // namespace

@@ -192,4 +192,4 @@ void add_report(CommandLine& app, int& status) {
     });
 }
 
-}  // namespace srbf
+}  // namespace

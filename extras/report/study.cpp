@@ -42,7 +42,7 @@ std::string colour_of_role(const std::string& role) { return fmt::format("var(--
 
 /// The subjects that are drawn: first the measurement, then fits.
 struct DrawnSubjects {
-    std::vector<Subject> subjects;
+    std::vector<LoadedFile> subjects;
     std::vector<std::string> roles, ids;
 };
 
@@ -91,12 +91,12 @@ class StudyMaker {
 
     Result<Done> fit(Study& study) {
         const auto measured = [&]() -> const Measured& { return std::get<Measured>(drawn_.subjects[0].content); };
-        const std::vector<PlannedFit> planned = plan(measured(), options_.sweep, options_.threads);
+        const std::vector<FitPlan> planned = plan(measured(), options_.sweep, options_.threads);
         Json rows = Json::array(), failures = Json::array(), seconds = Json::object();
         std::optional<Error> first_error;
         for (std::size_t i = 0; i < planned.size(); ++i) {
             progress_(planned[i].id, k_fits * double(i) / double(planned.size()));
-            const FileFit file_fit{study.material["file"], planned[i].id + ".srbf", {}, {}, planned[i].request};
+            const FitJob file_fit{study.material["file"], planned[i].id + ".srbf", {}, {}, planned[i].request};
             auto outcome = srbf::fit(measured(), planned[i].request);
             if (!outcome) {
                 Error error = outcome.error();
@@ -163,7 +163,7 @@ class StudyMaker {
         study.material["pixels"] = size;
         study.material["paths"] = command.samples;
         std::vector<Pictured> drawings;
-        for (const Subject& subject : drawn_.subjects) drawings.emplace_back(&subject);
+        for (const LoadedFile& subject : drawn_.subjects) drawings.emplace_back(&subject);
         const std::array<std::pair<const char*, std::string>, 2> objects{{{"ball", "ball"}, {"mesh", options_.mesh}}};
         for (std::size_t object = 0; object < objects.size(); ++object) {
             auto mesh = load_mesh(objects[object].second);
@@ -203,16 +203,16 @@ class StudyMaker {
     /// Lists the main fit (role "pm"), and writes a page that compares it and GGX with the measurement.
     Result<Done> write_exports(Study& study) {
         Json& exports = study.material["exports"] = Json::array();
-        const auto subject_of = [&](std::string_view role) -> const Subject* {
+        const auto subject_of = [&](std::string_view role) -> const LoadedFile* {
             const auto role_entry = std::ranges::find(drawn_.roles, role);
             return role_entry == drawn_.roles.end() ? nullptr
                                                     : &drawn_.subjects[std::size_t(role_entry - drawn_.roles.begin())];
         };
-        const Subject *fit = subject_of("pm"), *ggx = subject_of("ggx");
+        const LoadedFile *fit = subject_of("pm"), *ggx = subject_of("ggx");
         if (fit == nullptr) return Done{};
         exports.push_back({{"file", fit->path}, {"what", "the model"}});
         if (is_two_sided(drawn_.subjects[0].content)) return Done{};
-        std::vector<Subject> models{{"fitted", fit->content}};
+        std::vector<LoadedFile> models{{"fitted", fit->content}};
         if (ggx != nullptr) models.push_back({"GGX", ggx->content});
         exports.push_back({{"file", k_page_file}, {"what", "a page with both, to turn and to light"}});
         return write_file(path(k_page_file), as_bytes(page_html(page_of(models, &drawn_.subjects[0]))));
@@ -236,7 +236,7 @@ Result<std::string> study_name(const std::string& file, const StudyOptions& opti
     const auto bytes = read_input(file);
     if (!bytes) {
         // FILE#NAME, an item in a file, is a model.
-        const auto part = load_subject(file);
+        const auto part = load_file(file);
         return part ? Error{file, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind} : part.error();
     }
     ResultKey key("study", fmt::format("{}\n{}", k_edition, options.settings));
@@ -282,4 +282,4 @@ Result<Study> make_study(const std::string& file, const std::string& folder, con
     return *std::move(study_read);
 }
 
-}  // namespace srbf
+}  // namespace

@@ -50,4 +50,4 @@ Result<Study> make_study(const std::string& file, const std::string& folder, con
 /// available.
 Result<Done> time_study(Study& study, const StudyOptions& options);
 
-}  // namespace srbf
+}  // namespace

@@ -241,4 +241,4 @@ Tables tables_of(const std::vector<MaterialEntry>& materials) {
     return tables;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -56,4 +56,4 @@ struct MeasureText {
 /// The measures of the pages' tables, in their order.
 extern const std::vector<MeasureText> k_measure_texts;
 
-}  // namespace srbf
+}  // namespace

@@ -88,27 +88,27 @@ template <typename B> using Parts = std::array<std::shared_ptr<const B>, k_parts
 /// A part of a BSDF as a function in its own frame.
 Evaluate part_of(Evaluate bsdf, Part part);
 
-/// Light that is not scattered. In the frame of a part the share τ(wl) [1] of the light from wl goes on in the mirror
-/// direction, which is straight through in a transmission. A beam has no width, so it is not a part of f:
+/// Light that is not scattered. In the frame of a part the fraction τ(wl) [1] of the light from wl goes on in the
+/// mirror direction, which is straight through in a transmission. A beam has no width, so it is not a part of f:
 ///   L(wv) = ∫ f(wl, wv) L(wl) |cosθl| dωl + τ(mirror(wv)) L(mirror(wv)).
 /// τ has nodes on rings of one θ each. It is linear in the azimuth between the nodes of a ring, and linear in θ between
 /// rings. It is constant before the first ring, and falls to 0 at 90°, where readers and fits end mirrors by a ring.
 struct Beam {
     std::vector<float> theta;        ///< polar angle of each ring [rad], increasing, 0..π/2
-    std::vector<Rgb> share;          ///< τ at the nodes, ring by ring, 0..1
+    std::vector<Rgb> fraction;       ///< τ at the nodes, ring by ring, 0..1
     std::vector<int> azimuths = {};  ///< number n of nodes of each ring, at 2πk/n; empty: 1 each
     bool empty() const { return theta.empty(); }
     int nodes(std::size_t ring) const { return azimuths.empty() ? 1 : azimuths[ring]; }
     friend bool operator==(const Beam&, const Beam&) = default;
 };
 /// τ of a beam at the direction to the light, in the part's frame on either side; 0 if that is not finite.
-Rgb share_at(const Beam& beam, Vec3f wl);
+Rgb fraction_at(const Beam& beam, Vec3f wl);
 
 /// The beams of a BSDF, in the order of `Part`. An empty beam is 0, except in two cases. In a transmission it follows
 /// from its counterpart by reciprocity, τ(mirror(wl)). In a reflection whose part is empty too, it equals the beam of
 /// the other side.
 using Beams = std::array<Beam, k_parts>;
 /// τ of a part at the direction to the light, in the part's frame on either side.
-Rgb share_at(const Beams& beams, Part part, Vec3f wl);
+Rgb fraction_at(const Beams& beams, Part part, Vec3f wl);
 
 SRBF_END

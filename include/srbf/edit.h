@@ -15,13 +15,13 @@ SRBF_BEGIN
 /// and 70° from the normal, divided by the same mean for Lambert's BRDF with the lobe's albedos at these views. It is 1
 /// for a constant, and about α² or less for facets.
 double spread(const PmModel& model, int lobe);
-/// The share of each lobe that belongs to the body; the rest belongs to the highlight. A lobe whose `spread` is below
-/// `k_max_highlight_spread` is highlight. From `k_min_body_spread` on it is body. Between the two limits there are
-/// three cases. The lobe is highlight if the lobes that are body have less than a twentieth of the albedo. Otherwise it
-/// is body if its chromaticity is less than half as far from the body's as from the highlight's. Otherwise its share is
-/// linear in the spread, from 0 at the first limit to 1 at a spread of 1.
+/// The fraction of each lobe that belongs to the body; the rest belongs to the highlight. A lobe whose `spread` is
+/// below `k_max_highlight_spread` is highlight. From `k_min_body_spread` on it is body. Between the two limits there
+/// are three cases. The lobe is highlight if the lobes that are body have less than a twentieth of the albedo. Otherwise
+/// it is body if its chromaticity is less than half as far from the body's as from the highlight's. Otherwise its
+/// fraction is linear in the spread, from 0 at the first limit to 1 at a spread of 1.
 inline constexpr double k_max_highlight_spread = 0.6, k_min_body_spread = 0.88;
-std::vector<double> body_shares(const PmModel& model);
+std::vector<double> body_fractions(const PmModel& model);
 
 // The edits. Colours are factors of linear R, G, B.
 
@@ -43,8 +43,8 @@ struct Saturate {
 struct TurnHue {
     double degrees = 0;  ///< −360..360
 };
-/// Covers the surface by a clear dielectric layer with a rough interface. With T the share of light that the interface
-/// does not reflect, and the directions l', v' refracted at it,
+/// Covers the surface by a clear dielectric layer with a rough interface. With T the fraction of light that the
+/// interface does not reflect, and the directions l', v' refracted at it,
 ///   ρ = ρ_interface + T(l) T(v) / n² (ρ'(l', v') + ρ_again(l', v')) tint^p,
 /// where ρ' is the model with its highlight widened by the rough interface, ρ_again the light that is reflected more
 /// than once between base and interface, and p half of 1/cosθ'l + 1/cosθ'v. Symmetric if ρ is. A refit.

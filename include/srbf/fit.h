@@ -117,7 +117,7 @@ struct FitOutcome {
     std::optional<Comparison> errors;
     /// Picture error between the measurement f(wl, wv) and f(wv, wl); a reciprocal fit differs from one of them by
     /// at least half of it. Empty if the measurement is reciprocal.
-    std::optional<Appearance> exchanged;
+    std::optional<Appearance> exchanged_errors;
     /// Picture error of a reciprocal `model` against the mean that it was fitted to.
     std::optional<Appearance> against_mean;
     /// Picture error of `model` against a noisy measurement that was smoothed.

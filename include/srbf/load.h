@@ -1,4 +1,5 @@
-// Reading of any BRDF.
+// Reading of any BRDF. `load_brdf` returns its content, a Measured or a Model; `load_brdf_or_map` also takes maps.
+// `load` of srbf.h returns a LoadedBrdf, for evaluation and renderers. `load_measured` and `load_model` refuse others.
 #pragma once
 #include <string>
 #include <variant>

@@ -153,7 +153,7 @@ struct Measured {
     std::string format;       ///< the name of one of `formats()` (measured/formats.h), unless its reader gives another
     std::uint64_t bytes = 0;  ///< size of the file
     std::variant<MerlTable, RglTable, MbsdfTable, ScatteredSamples, EvaluatedTable, BsdfTable> table;
-    bool exchanged = false;  ///< all functions of a `Measured` look up the table at (wv, wl)
+    bool is_exchanged = false;  ///< all functions of a `Measured` look up the table at (wv, wl)
 };
 /// Exchanges light and viewer: f_r(wl, wv) of the result is f_r(wv, wl) of the argument.
 void exchange(Measured& measured);
@@ -167,7 +167,7 @@ bool is_isotropic(const Measured& measured);
 /// A line for each thing that the reader masked or assumed beyond the format.
 std::vector<std::string> notes(const Measured& measured);
 
-/// f [1/sr] by a look-up in the measurement, with light and viewer exchanged if `exchanged`. The directions must be
+/// f [1/sr] by a look-up in the measurement, with light and viewer exchanged if `is_exchanged`. The directions must be
 /// unit vectors, which is not checked.
 /// A BRDF is 0 if wl.z ≤ 0 or wv.z ≤ 0; a BSDF has the values of its chosen band on either side. Every channel is NaN
 /// where nothing was measured, and otherwise finite. A channel is negative where a saturated colour lies outside of the

@@ -88,14 +88,14 @@ enum class Objective {
     cube_root,  ///< Σ (∛f − ∛f̂)²; where f is below a hundredth of its mean, with the weight at that value
     /// Σ (log f − log f̂)² over values above 0: an error of a tenth counts alike in the dark and in a peak
     relative,
-    /// Errors of pictures: Σ (⁶√(f cosθl + s) − ⁶√(f̂ cosθl + s))² cosθv, s = k_dark_share times the upper quartile q
-    /// of f cosθl; as much of Σ (∛(f cosθl + q) − ∛(f̂ cosθl + q))² √cosθv and 0.03 of cosine's sum, each scaled to Σ w
-    /// |f|² = 1; and for a multivariate model ΔE_ITP of pictures of a sphere. The eye's response to a display is about
-    /// the sixth root of its luminance (the exponent 0.159 of the perceptual quantiser, ITU-R BT.2100).
+    /// Errors of pictures: Σ (⁶√(f cosθl + s) − ⁶√(f̂ cosθl + s))² cosθv, s = k_dark_fraction times the upper quartile
+    /// q of f cosθl; as much of Σ (∛(f cosθl + q) − ∛(f̂ cosθl + q))² √cosθv and 0.03 of cosine's sum, each scaled to Σ
+    /// w |f|² = 1; and for a multivariate model ΔE_ITP of pictures of a sphere. The eye's response to a display is
+    /// about the sixth root of its luminance (the exponent 0.159 of the perceptual quantiser, ITU-R BT.2100).
     appearance,
 };
 inline constexpr Objective k_default_objective = Objective::appearance;
-inline constexpr double k_dark_share = 0.07;
+inline constexpr double k_dark_fraction = 0.07;
 std::string_view name(Objective objective);
 /// The measure that an objective minimises and by which its fits are judged.
 double error_of(const Measures& measures, Objective objective);

@@ -11,7 +11,7 @@ SRBF_BEGIN
 
 struct Progress {
     std::string_view stage;  ///< "growing lobes"
-    double fraction = 0;     ///< completed share of the whole, 0..1; never decreases
+    double fraction = 0;     ///< completed fraction of the whole, 0..1; never decreases
 };
 
 /// Receives progress; returning false cancels the computation.

@@ -123,7 +123,7 @@ MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options = {}
 struct ViewProposal {
     const SuModel* model = nullptr;
     /// n × (1 + J) probabilities of the cosine and of the lobes of each view, which sum to 1
-    std::vector<float> share;
+    std::vector<float> fraction;
 };
 ViewProposal propose(const SuModel& model);
 ViewProposal propose(const SuModel&&) = delete;

@@ -50,8 +50,8 @@ std::string version_text(Dialect dialect);
 ///                                 above the horizon if there is one side
 ///   bool is_measured              whether the last value was measured: false only for tables
 /// and with one side the same as `brdf`, with two
-///   vec3 straight_beam(vec3 wv)   the share of the light from -wv that passes unscattered
-///   vec3 mirror_beam(vec3 wv)     the share of the light from the mirror direction that is reflected unscattered
+///   vec3 straight_beam(vec3 wv)   the fraction of the light from -wv that passes unscattered
+///   vec3 mirror_beam(vec3 wv)     the fraction of the light from the mirror direction that is reflected unscattered
 /// It consists of the material's sizes (numbers of lobes and the like, so that loops unroll), the definitions that
 /// kernel.glsl requires, kernel.glsl, and the material's own part. It is the same in every dialect. The numbers of the
 /// material are uniforms: for a multivariate model the block `PmNumbers` (`pm_numbers`); for a view-by-view model the
@@ -62,8 +62,8 @@ std::string version_text(Dialect dialect);
 ///
 /// If the host writes a line `#define PM_EDITED` before the text of a multivariate model, its functions evaluate only
 /// one part of it: the highlight if the uniform int edited_part is 0, the body if it is 1. Further uniforms are float
-/// edited_shares[], the `body_shares` of edit.h, and vec2 edited_roughness, the factor of the highlight's roughness and
-/// its own α. Pictures of tints and saturations are linear combinations of the pictures of both parts.
+/// edited_shares[], the `body_fractions` of edit.h, and vec2 edited_roughness, the factor of the highlight's roughness
+/// and its own α. Pictures of tints and saturations are linear combinations of the pictures of both parts.
 std::string brdf_text(const Material& material);
 
 /// The text, to follow `brdf_text`, that defines

@@ -50,19 +50,19 @@ std::string identifier(std::string_view text);
 /// model needs. For a BSDF (brdf.h) the text has the functions of its parts, as NAME_transmission_front_brdf, and for
 /// directions on either side
 ///   Vec3 NAME_bsdf(Vec3 wl, Vec3 wv)   f [1/sr] without beams; 0 where wl or wv lies in the surface
-///   Vec3 NAME_beam(Vec3 wv)            the share of the light from -wv that passes unscattered; only if it has such
-///   Vec3 NAME_mirror_beam(Vec3 wv)     the share of the light from the mirror direction; only if it has such
+///   Vec3 NAME_beam(Vec3 wv)            the fraction of the light from -wv that passes unscattered; only if it has such
+///   Vec3 NAME_mirror_beam(Vec3 wv)     the fraction of the light from the mirror direction; only if it has such
 ///   Vec3 NAME_sample, float NAME_pdf   as above for the front and the back, without beams; (0, 0, 0) if the draw has
 ///                                      no direction. They include the albedos of the parts.
 /// With `blend` the text also has PREFIX_brdf, and PREFIX_sample, PREFIX_pdf and PREFIX_albedo where models have
-/// theirs, with a last argument `Vec3 weights`: of a point, the shares of the first, second and third model, at least
-/// 0. PREFIX_brdf and PREFIX_albedo are the sums of the models' own by these weights; a sample is drawn from one of the
-/// models, with probabilities in proportion to them, and PREFIX_pdf is its density. The names of functions that several
-/// models share begin with `prefix`; with one model the name of the model is usual. The numbers of a view-by-view model
-/// are too many for constants: before the text the host defines NAME_number(i), a function or macro, as number i of
-/// `shading_data`. Returns an error with the code `argument` for a view-by-view model with plain interpolation, with
-/// sampling, or for Metal, which has no global buffers; and with `blend` unless there are two or three models and none
-/// is a BSDF.
+/// theirs, with a last argument `Vec3 weights`: of a point, the fractions of the first, second and third model, at
+/// least 0. PREFIX_brdf and PREFIX_albedo are the sums of the models' own by these weights; a sample is drawn from one
+/// of the models, with probabilities in proportion to them, and PREFIX_pdf is its density. The names of functions that
+/// several models share begin with `prefix`; with one model the name of the model is usual. The numbers of a
+/// view-by-view model are too many for constants: before the text the host defines NAME_number(i), a function or macro,
+/// as number i of `shading_data`. Returns an error with the code `argument` for a view-by-view model with plain
+/// interpolation, with sampling, or for Metal, which has no global buffers; and with `blend` unless there are two or
+/// three models and none is a BSDF.
 Result<std::string> shading_code(std::span<const NamedModel> models, std::string_view prefix,
                                  const CodeOptions& options = {});
 

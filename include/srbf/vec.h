@@ -35,7 +35,7 @@ template <typename Real> constexpr bool operator==(Vec3<Real> a, Vec3<Real> b) {
 struct Rgb {
     float r = 0, g = 0, b = 0;
     constexpr float& operator[](int c) { return c == 0 ? r : c == 1 ? g : b; }
-    constexpr float operator[](int c) const { return c == 0 ? r : c == 1 ? g : b; }
+    constexpr const float& operator[](int c) const { return c == 0 ? r : c == 1 ? g : b; }
     friend constexpr bool operator==(const Rgb&, const Rgb&) = default;
 };
 

@@ -469,7 +469,7 @@ def formats() -> dict[str, str]:
 
 def render(brdf: Brdf, lighting: Lighting = "studio", size: int = 256) -> Array:
     """Linear radiance [size, size, 3] of a sphere in direct light, seen from infinity; 0 outside the sphere. The picture has no noise."""
-    return _srbf.render(brdf._native, _options.one_of("lighting", lighting, lightings()), _options.whole("size", size, 1, 4096), False)
+    return _srbf.render(brdf._native, _options.one_of("lighting", lighting, lightings()), _options.integer("size", size, 1, 4096), False)
 
 
 def convert(brdf: Brdf, path: Path, *, spectra: bool = True, threads: int = 0) -> None:

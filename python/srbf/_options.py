@@ -24,7 +24,7 @@ def one_of(name: str, value: Any, names: Sequence[str]) -> str:
     return value
 
 
-def whole(name: str, value: Any, least: int, most: int) -> int:
+def integer(name: str, value: Any, least: int, most: int) -> int:
     try:
         number = operator.index(value)
     except TypeError:
@@ -47,7 +47,7 @@ def flag(name: str, value: Any) -> bool:
 
 
 def threads(value: Any) -> int:
-    return whole("threads", value, 0, _srbf.most_threads)
+    return integer("threads", value, 0, _srbf.most_threads)
 
 
 def read(columns: Any, quantity: Any, floor: Any) -> tuple[str, str, float]:

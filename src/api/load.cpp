@@ -73,4 +73,4 @@ bool is_two_sided(const AnyBrdf& brdf) {
     return std::holds_alternative<BsdfModel>(std::get<Model>(brdf).model);
 }
 
-}  // namespace srbf
+}  // namespace

@@ -62,4 +62,4 @@ PreparedBrdf prepare(const LoadedBrdf& brdf, int threads) {
     return std::visit(prepared, content(brdf));
 }
 
-}  // namespace srbf
+}  // namespace

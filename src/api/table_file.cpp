@@ -44,4 +44,4 @@ Result<std::vector<std::byte>> table_file(const AnyBrdf& brdf, const Format& for
     return bytes;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -20,4 +20,4 @@ constexpr std::size_t rows_in_block(std::size_t block, std::size_t rows) {
 }
 constexpr std::size_t blocks_for(std::size_t rows) { return (rows + k_block - 1) / k_block; }
 
-}  // namespace srbf
+}  // namespace

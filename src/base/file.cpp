@@ -320,4 +320,4 @@ Result<Done> rename_path(const std::string& from, const std::string& to) {
     return Done{};
 }
 
-}  // namespace srbf
+}  // namespace

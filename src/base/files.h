@@ -21,8 +21,8 @@ template <typename IsKnown> MaxBytes all_if(const IsKnown& is_known) {
     return [is_known](std::span<const std::byte> head) { return is_known(head) ? k_largest_file : head.size(); };
 }
 
-/// The bytes of the file at `path`; of one that is larger than `max` allows, the beginning alone, so that input of no
-/// known format is not read to its end. Returns an error if the file is missing, a folder, unreadable, larger than
+/// The bytes of the file at `path`, or the first ones if it is larger than `max(first bytes)`: input of no known format
+/// is not read to its end. Returns an error if the file is missing, a folder, unreadable, larger than
 /// `k_largest_file` or too large for the memory.
 Result<std::vector<std::byte>> read_file(const std::string& path, const MaxBytes& max);
 

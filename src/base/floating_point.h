@@ -51,4 +51,4 @@ class StandardArithmetic {
     Mode before_;
 };
 
-}  // namespace srbf
+}  // namespace

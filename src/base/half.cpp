@@ -8,4 +8,4 @@ std::uint16_t to_half(float x) { return Eigen::numext::bit_cast<std::uint16_t>(E
 
 float from_half(std::uint16_t bits) { return float(Eigen::numext::bit_cast<Eigen::half>(bits)); }
 
-}  // namespace srbf
+}  // namespace

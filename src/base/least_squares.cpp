@@ -164,4 +164,4 @@ void fix_at_bounds(const Eigen::VectorXd& x, const Eigen::VectorXd& lower, const
     }
 }
 
-}  // namespace srbf
+}  // namespace

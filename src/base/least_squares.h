@@ -37,4 +37,4 @@ void adapt_to_bounds(Eigen::VectorXd& step, const Eigen::MatrixXd& A, const Eige
 void fix_at_bounds(const Eigen::VectorXd& x, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
                    Eigen::MatrixXd& H, Eigen::VectorXd& g);
 
-}  // namespace srbf
+}  // namespace

@@ -31,7 +31,7 @@ enum class Stop {
 struct LevenbergMarquardtOptions {
     int max_iterations = 40;           ///< linearisations
     double decrease_tolerance = 1e-7;  ///< relative
-    double damping = 1e-3;             ///< initial μ, times the diagonal of JᵀJ
+    double damping = 1e-3;             ///< initial ν, times the diagonal of JᵀJ
     /// If true, the other variables adapt when a step is clamped at bounds (`adapt_to_bounds`).
     bool adapts_to_bounds = false;
     /// The loss to reach. From the second step on the optimiser stops if the remaining steps would not reach it even if
@@ -59,7 +59,7 @@ Eigen::VectorXd damped_step(const P& problem, const Eigen::MatrixXd& damped, con
     return step * std::min(1.0, 1 / step.cwiseAbs().cwiseQuotient(longest).maxCoeff());
 }
 
-/// Minimises problem.loss from x, with steps (JᵀJ + μ diag JᵀJ) δ = −Jᵀr, each within the bounds at its start. μ adapts
+/// Minimises problem.loss from x, with steps (JᵀJ + ν diag JᵀJ) δ = −Jᵀr, each within the bounds at its start. ν adapts
 /// to the ratio of actual to predicted decrease (Nielsen 1999). The last call of problem.loss is at the returned x.
 template <SeparableProblem P>
 LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
@@ -68,7 +68,7 @@ LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
     LevenbergMarquardtSummary summary;
     Eigen::MatrixXd H;
     Eigen::VectorXd g;
-    double mu = options.damping, growth = 2;
+    double nu = options.damping, growth = 2;
     summary.loss = problem.loss(x);
     double decrease = 0;  // the decrease of the loss by the last step
     bool at_x = true;     // the last call of problem.loss was at x
@@ -80,14 +80,14 @@ LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
         fix_at_bounds(x, lower, upper, H, g);
         const Eigen::VectorXd scale = H.diagonal().cwiseMax(floor);
         bool lowered = false;
-        while (mu < k_max_damping && !lowered) {
+        while (nu < k_max_damping && !lowered) {
             Eigen::MatrixXd damped = H;
-            damped.diagonal() += mu * scale;
+            damped.diagonal() += nu * scale;
             const Eigen::VectorXd step = damped_step(problem, damped, g, lower - x, upper - x, problem.longest_step(x),
                                                      options.adapts_to_bounds);
             const double predicted = -2 * step.dot(g) - step.dot(H * step);
             if (options.adapts_to_bounds && predicted < 0) {  // clamping costs more than the other variables gain
-                mu *= growth, growth *= 2;
+                nu *= growth, growth *= 2;
                 continue;
             }
             if (!(predicted > options.decrease_tolerance * summary.loss)) {
@@ -98,11 +98,11 @@ LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
             const double loss = problem.loss(next);
             lowered = at_x = loss < summary.loss;
             if (!lowered) {
-                mu *= growth, growth *= 2;
+                nu *= growth, growth *= 2;
                 continue;
             }
             const double gain = 2 * (summary.loss - loss) / predicted - 1;
-            mu *= std::max(1.0 / 3, 1 - gain * gain * gain);
+            nu *= std::max(1.0 / 3, 1 - gain * gain * gain);
             growth = 2;
             x = next;
             decrease = summary.loss - loss;
@@ -112,7 +112,7 @@ LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
             const int left = options.max_iterations - summary.iterations;
             if (summary.iterations == 1 || summary.loss - left * decrease <= options.target) continue;
             summary.stop = Stop::target;
-        } else if (mu >= k_max_damping) {
+        } else if (nu >= k_max_damping) {
             summary.stop = Stop::step;
         }
         break;
@@ -121,4 +121,4 @@ LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
     return summary;
 }
 
-}  // namespace srbf
+}  // namespace

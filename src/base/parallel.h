@@ -48,4 +48,4 @@ template <typename Body> void parallel_for_chunks(std::size_t count, std::size_t
     on_threads(threads, [&] { parallel_for_chunks(count, size, body); });
 }
 
-}  // namespace srbf
+}  // namespace

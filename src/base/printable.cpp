@@ -135,4 +135,4 @@ std::string grouped(std::uint64_t n) {
 
 std::string ValueRange::text() const { return min > max ? "none" : fmt::format("{:.4g} to {:.4g}", min, max); }
 
-}  // namespace srbf
+}  // namespace

@@ -39,4 +39,4 @@ ProgressToken ProgressToken::subrange(double begin, double end) const {
     return part;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -34,4 +34,4 @@ template <std::size_t D> class RSequence {
     std::array<double, D> step_{}, current_{};
 };
 
-}  // namespace srbf
+}  // namespace

@@ -7,7 +7,7 @@
 
 namespace SRBF_NAMESPACE {
 
-/// Reports the completed share of a stage's work, from any thread.
+/// Reports the completed fraction of a stage's work, from any thread.
 class Reporter {
   public:
     Reporter(ProgressToken token, double total) : token_(std::move(token)), total_(total) {}
@@ -25,4 +25,4 @@ class Reporter {
     std::mutex mutex_;
 };
 
-}  // namespace srbf
+}  // namespace

@@ -50,4 +50,4 @@ void misused(std::string_view what) {
     std::abort();
 }
 
-}  // namespace srbf
+}  // namespace

@@ -313,4 +313,4 @@ std::string MetadataReader::take(const char* key, const std::vector<std::string_
     return found;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -61,4 +61,4 @@ Result<std::uint64_t> header_length(std::span<const std::byte> bytes, const std:
 /// the data without overlaps, gaps or a remainder.
 Result<Safetensors> read_safetensors(std::span<const std::byte> bytes, const std::string& file_name);
 
-}  // namespace srbf
+}  // namespace

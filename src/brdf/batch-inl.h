@@ -293,7 +293,7 @@ template <typename Real> using Triple = Vec3<Real>;
 #include "srbf/kernel/host.inl"
 
 }  // namespace HWY_NAMESPACE
-}  // namespace srbf
+}  // namespace
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -109,4 +109,4 @@ std::array<float, 18> reflectance_spectrum(const Rgb& colour) {
     return spectrum;
 }
 
-}  // namespace srbf
+}  // namespace

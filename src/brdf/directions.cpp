@@ -136,7 +136,7 @@ Vec3d MirrorMixture::sample_part(int part, Vec3d wv, double u1, double u2) const
 
 Vec3d MirrorMixture::sample(Vec3d wv, double u0, double u1, double u2) const {
     int part = 0;
-    for (; part < k_parts - 1 && u0 >= share(part); ++part) u0 -= share(part);
+    for (; part < k_parts - 1 && u0 >= chance(part); ++part) u0 -= chance(part);
     return sample_part(part, wv, u1, u2);
 }
 
@@ -155,14 +155,14 @@ double MirrorMixture::pdf(Vec3d wl, Vec3d wv) const {
 Quadrature MirrorMixture::quadrature_of_part(int part, Vec3d wv, int count) const {
     const double golden = (std::sqrt(5.0) - 1) / 2;
     Quadrature points;
-    const int part_count = int(share(part) * count);
+    const int part_count = int(chance(part) * count);
     for (int i = 0; i < part_count; ++i) {
         const double turns = i * golden;
         const Vec3d wl = sample_part(part, wv, (i + 0.5) / part_count, turns - std::floor(turns));
         if (!contains(wl)) continue;
         points.w.push_back(to_float(wl));
         points.pdf.push_back(pdf(wl, wv));
-        points.weight.push_back(share(part) / part_count / points.pdf.back());
+        points.weight.push_back(chance(part) / part_count / points.pdf.back());
     }
     return points;
 }
@@ -223,4 +223,4 @@ bool is_in_plane(Vec3f wl, Vec3f wv) {
     return std::abs(cross) <= k_max * sin_l || sin_l <= k_max;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -49,7 +49,7 @@ class MirrorMixture {
     Vec3d sample(Vec3d wv, double u0, double u1, double u2) const;
     /// Samples one component: 0 is the uniform one, the others are the lobes.
     Vec3d sample_part(int part, Vec3d wv, double u1, double u2) const;
-    static constexpr double share(int part) { return part == 0 ? k_uniform : part == k_parts - 1 ? k_retro : k_mirror; }
+    static constexpr double chance(int i) { return i == 0 ? k_uniform : i == k_parts - 1 ? k_retro : k_mirror; }
     /// Density [1/sr] of `sample`; inside the cap at least `k_uniform` over the cap's solid angle.
     double pdf(Vec3d wl, Vec3d wv) const;
     bool contains(Vec3d w) const { return w.z >= cos_max_; }
@@ -62,15 +62,15 @@ class MirrorMixture {
     Vec3d sample_cap(double u1, double u2) const;
     double cap_pdf() const { return 1 / (2 * k_pi * (1 - cos_max_)); }
 
-    static constexpr double k_uniform = 0.4;  ///< share of the uniform component
+    static constexpr double k_uniform = 0.4;  ///< chance of the uniform component
     static constexpr std::array<double, 5> k_mirror_bandwidths{6, 40, 300, 3000, 30000};
-    static constexpr double k_mirror = 0.11;  ///< share of each lobe about the mirror direction
+    static constexpr double k_mirror = 0.11;  ///< chance of each lobe about the mirror direction
     static constexpr double k_retro = 1 - k_uniform - 5 * k_mirror, k_retro_bandwidth = 60;
     static constexpr int k_parts = 7;
 
   private:
     double cos_max_;
-    std::array<double, 5> mirror_scale_;  ///< share of each lobe over its integral [1/sr]
+    std::array<double, 5> mirror_scale_;  ///< chance of each lobe over its integral [1/sr]
     double retro_scale_;
 };
 

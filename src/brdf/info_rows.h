@@ -42,7 +42,7 @@ inline void add_beams(std::string& text, const Beams& beams) {
         if (beams[b].empty()) continue;
         std::string row;
         for (std::size_t ring = 0, first = 0; ring < beams[b].theta.size(); ++ring) {
-            const auto nodes = std::span(beams[b].share).subspan(first, std::size_t(beams[b].nodes(ring)));
+            const auto nodes = std::span(beams[b].fraction).subspan(first, std::size_t(beams[b].nodes(ring)));
             const auto [min, max] = std::ranges::minmax(nodes, {}, &Rgb::g);
             row += fmt::format("{}{:.4g}{} at {:.3g}°", ring ? ", " : "", min.g,
                                nodes.size() > 1 ? fmt::format(" to {:.4g}", max.g) : "",
@@ -53,4 +53,4 @@ inline void add_beams(std::string& text, const Beams& beams) {
     }
 }
 
-}  // namespace srbf
+}  // namespace

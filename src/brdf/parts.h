@@ -32,8 +32,8 @@ constexpr Vec3f to_side(Vec3f w, float side) { return {w.x, w.y, side * w.z}; }
 
 /// The BRDF that has the values of a part.
 template <typename B> struct PartSource {
-    const B* brdf = nullptr;  ///< null: 0
-    bool exchanged = false;   ///< true if it is evaluated at (wv, wl)
+    const B* brdf = nullptr;    ///< null: 0
+    bool is_exchanged = false;  ///< true if it is evaluated at (wv, wl)
 };
 template <typename B> PartSource<B> part_source(const Parts<B>& parts, Part part) {
     if (const B* stored = parts[std::size_t(part)].get()) return {stored, false};
@@ -58,7 +58,7 @@ template <typename B> Rgb value(const Parts<B>& parts, Vec3f wl, Vec3f wv) {
     if (!at) return {};
     const PartSource<B> used = part_source(parts, at->part);
     if (!used.brdf) return {};
-    return used.exchanged ? value(*used.brdf, at->wv, at->wl) : value(*used.brdf, at->wl, at->wv);
+    return used.is_exchanged ? value(*used.brdf, at->wv, at->wl) : value(*used.brdf, at->wl, at->wv);
 }
 
 /// f on arrays of pairs; `each(brdf, wl, wv, f)` evaluates one of the parts.
@@ -80,7 +80,7 @@ void evaluate(const Parts<B>& parts, std::span<const Vec3f> wl, std::span<const 
         if (!used.brdf || where[part].empty()) continue;
         std::vector<Rgb> values(where[part].size());
         const std::span<const Vec3f> l(lights[part]), v(views[part]);
-        each(*used.brdf, used.exchanged ? v : l, used.exchanged ? l : v, std::span<Rgb>(values));
+        each(*used.brdf, used.is_exchanged ? v : l, used.is_exchanged ? l : v, std::span<Rgb>(values));
         for (std::size_t i = 0; i < values.size(); ++i) f[where[part][i]] = values[i];
     }
 }

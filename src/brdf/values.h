@@ -8,8 +8,8 @@
 SRBF_BEGIN
 
 /// a + share (b − a).
-constexpr Rgb mixed(const Rgb& a, const Rgb& b, float share) {
-    return {a.r + share * (b.r - a.r), a.g + share * (b.g - a.g), a.b + share * (b.b - a.b)};
+constexpr Rgb mixed(const Rgb& a, const Rgb& b, float fraction) {
+    return {a.r + fraction * (b.r - a.r), a.g + fraction * (b.g - a.g), a.b + fraction * (b.b - a.b)};
 }
 
 constexpr Rgb scaled(float factor, const Rgb& rgb) { return {factor * rgb.r, factor * rgb.g, factor * rgb.b}; }

@@ -36,4 +36,4 @@ Result<std::string> map_code(const TexelMap& map, std::string_view name, const C
 /// The albedo for the view of a node; at the horizon, for a view just above it.
 Rgb albedo_of_node(const PreparedBrdf& brdf, double cosine);
 
-}  // namespace srbf
+}  // namespace

@@ -32,13 +32,13 @@ std::string sample_text(std::span<const NamedModel> models, const std::string& t
 
 std::string print_blend(std::span<const NamedModel> models, const CodeOptions& options) {
     constexpr const char* black = "Vec3(Real(0.0), Real(0.0), Real(0.0))";
-    std::string shares, total;
+    std::string fractions, total;
     for (std::size_t k = 0; k < models.size(); ++k) {
-        shares += fmt::format("{}{} ({})", k ? ", " : "", models[k].name, k_weights[k]);
+        fractions += fmt::format("{}{} ({})", k ? ", " : "", models[k].name, k_weights[k]);
         total += fmt::format("{}{}", k ? " + " : "", k_weights[k]);
     }
     std::string text =
-        fmt::format("// Materials mixed by a mask, which the host looks up: the shares of {}.\n", shares) +
+        fmt::format("// Materials mixed by a mask, which the host looks up: the shares of {}.\n", fractions) +
         "Vec3 brdf(Vec3 wl, Vec3 wv, Vec3 weights) {\n" + sum_text(models, "Vec3", black, "brdf(wl, wv)") +
         "    return sum;\n}\n";
     if (options.albedo)
@@ -80,4 +80,4 @@ std::vector<std::string> blend_functions(std::string_view prefix, const CodeOpti
     return names;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -13,4 +13,4 @@ Result<std::string> blend_code(std::span<const NamedModel> models, std::string_v
                                DefinedNames& defined);
 std::vector<std::string> blend_functions(std::string_view prefix, const CodeOptions& options);
 
-}  // namespace srbf
+}  // namespace

@@ -16,13 +16,13 @@ const BsdfModel& bsdf_of(const NamedModel& named) { return std::get<BsdfModel>(n
 /// The function that evaluates a part.
 struct Call {
     std::string function;  ///< empty if the part is 0
-    bool exchanged = false;
+    bool is_exchanged = false;
 };
 Call call_of(const BsdfModel& bsdf, Part part, bool sampling) {
     const PartSource<Model> used = part_source(bsdf.part, part);
     if (!used.brdf) return {};
-    const bool is_own = bsdf.part[std::size_t(part)] != nullptr || (sampling && used.exchanged);
-    return {std::string(name(is_own ? part : counterpart(part))), used.exchanged && !is_own};
+    const bool is_own = bsdf.part[std::size_t(part)] != nullptr || (sampling && used.is_exchanged);
+    return {std::string(name(is_own ? part : counterpart(part))), used.is_exchanged && !is_own};
 }
 
 constexpr const char* k_black = "Vec3(Real(0.0), Real(0.0), Real(0.0))";
@@ -46,7 +46,7 @@ BeamTables tables_of(const Beam& beam, std::string_view name) {
         add(tables.rings, beam.theta[ring], first, beam.nodes(ring));
         first += std::size_t(beam.nodes(ring));
     }
-    for (const Rgb& share : beam.share) add(tables.nodes, share.r, share.g, share.b);
+    for (const Rgb& fraction : beam.fraction) add(tables.nodes, fraction.r, fraction.g, fraction.b);
     if (beam.theta.back() < float(k_pi / 2)) {
         add(tables.rings, k_pi / 2, first, 1);
         add(tables.nodes, 0, 0, 0);
@@ -145,7 +145,7 @@ std::string value_text(const BsdfModel& bsdf, bool sampling) {
         const auto comparison = [](float side) { return side < 0 ? "<" : ">"; };
         text += fmt::format("    if (wl.z {} Real(0.0) && wv.z {} Real(0.0)) return {}_brdf({});\n",
                             comparison(side_of_light(Part(p))), comparison(side_of_viewer(Part(p))), call.function,
-                            call.exchanged ? "v, l" : "l, v");
+                            call.is_exchanged ? "v, l" : "l, v");
     }
     return text + fmt::format("    return {};\n}}\n", k_black);
 }
@@ -301,4 +301,4 @@ std::vector<std::string> bsdf_functions(const NamedModel& named, bool sampling) 
     return names;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -37,4 +37,4 @@ Result<std::string> bsdf_code(const NamedModel& bsdf, const CodeOptions& options
 std::string beam_code(const std::string& name, const Beams& beams, CodeLanguage language);
 std::vector<std::string> bsdf_functions(const NamedModel& bsdf, bool sampling);
 
-}  // namespace srbf
+}  // namespace

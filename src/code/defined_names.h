@@ -27,4 +27,4 @@ class DefinedNames {
     std::map<std::string, std::string> owners_;
 };
 
-}  // namespace srbf
+}  // namespace

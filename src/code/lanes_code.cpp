@@ -188,4 +188,4 @@ const char* const k_pdf_in_c = R"(SRBF_FN float @light_pdf@(srbf_vec3 wl, srbf_v
 }
 )";
 
-}  // namespace srbf
+}  // namespace

@@ -25,4 +25,4 @@ std::string mixture_in_c(const MixtureProposal& mixture);
 extern const char* const k_sample_in_c;
 extern const char* const k_pdf_in_c;
 
-}  // namespace srbf
+}  // namespace

@@ -13,4 +13,4 @@ Result<std::string> shading_code(const LoadedBrdf& model, const std::string& nam
     return shading_code({&named, 1}, named.name, {.language = *known});
 }
 
-}  // namespace srbf
+}  // namespace

@@ -350,4 +350,4 @@ std::vector<float> shading_data(const SuModel& model) {
 
 Rgb albedo_of_node(const PreparedBrdf& brdf, double cosine) { return albedo(brdf, std::max(float(cosine), 1e-30f)); }
 
-}  // namespace srbf
+}  // namespace

@@ -17,4 +17,4 @@ enum class ParameterStorage {
 syntax::Program program_of(const Model& model, const CodeOptions& options, const std::vector<std::string>& roots,
                            const AddedCode& added = {}, ParameterStorage storage = ParameterStorage::constants);
 
-}  // namespace srbf
+}  // namespace

@@ -88,4 +88,4 @@ bool ProgramPrinter::separate() {
     return own_.size() != before;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -41,4 +41,4 @@ class ProgramPrinter {
     std::set<std::string> own_;  ///< definitions that are not shared
 };
 
-}  // namespace srbf
+}  // namespace

@@ -70,4 +70,4 @@ std::string runtime_code() {
            k_runtime_models_text + k_runtime_preparation_text + k_runtime_functions_text;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -229,4 +229,4 @@ std::vector<Float4> merl_texels(const MerlTable& table) {
     return texels;
 }
 
-}  // namespace srbf
+}  // namespace

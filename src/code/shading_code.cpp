@@ -240,4 +240,4 @@ Result<std::string> map_code(const TexelMap& map, std::string_view name, const C
     return added ? map_code(map, name, options, *added) : added.error();
 }
 
-}  // namespace srbf
+}  // namespace

@@ -29,14 +29,14 @@ struct Rings {
         };
         return k_pi * (squared_sine(ring + 1) - squared_sine(ring));
     }
-    /// The two rings nearest to a direction, and the share of the second.
+    /// The two rings nearest to a direction, and the fraction t of the second.
     struct Place {
         int first;
-        double share;
+        double t;
         explicit Place(double cosine) {
             const double at = std::clamp(elementary::acos(std::min(cosine, 1.0)) * k_count / (k_pi / 2) - 0.5, 0.0,
                                          double(k_count - 1));
-            first = std::min(int(at), k_count - 2), share = at - first;
+            first = std::min(int(at), k_count - 2), t = at - first;
         }
     };
 };
@@ -95,15 +95,15 @@ class Layer {
         for (const auto& term : repeated_) {
             for (std::size_t c = 0; c < 3; ++c) {
                 const auto along = [&](int ring) {
-                    return (1 - at_v.share) * term[c](ring, at_v.first) + at_v.share * term[c](ring, at_v.first + 1);
+                    return (1 - at_v.t) * term[c](ring, at_v.first) + at_v.t * term[c](ring, at_v.first + 1);
                 };
-                sum[c] += now * ((1 - at_l.share) * along(at_l.first) + at_l.share * along(at_l.first + 1));
+                sum[c] += now * ((1 - at_l.t) * along(at_l.first) + at_l.t * along(at_l.first + 1));
             }
             previous = std::exchange(now, 2 * cosine * now - previous);
         }
         return sum;
     }
-    /// The share of light from this angle that the interface does not reflect.
+    /// The fraction of light from this angle that the interface does not reflect.
     double transmitted_at(double theta) const {
         constexpr int k_light_directions = 2048;
         const Vec3d v = spherical(theta, 0.0);
@@ -115,9 +115,9 @@ class Layer {
     }
     double transmitted(double cosine) const {
         const Rings::Place at(cosine);
-        return (1 - at.share) * passed_[std::size_t(at.first)] + at.share * passed_[std::size_t(at.first) + 1];
+        return (1 - at.t) * passed_[std::size_t(at.first)] + at.t * passed_[std::size_t(at.first) + 1];
     }
-    /// The share of light from below that passes the interface: by reciprocity `passed_` at the refracted direction.
+    /// The fraction of light from below that passes the interface: by reciprocity `passed_` at the refracted direction.
     double escaping(double cosine) const {
         const double n = coat_.ior, outside = 1 - n * n * (1 - cosine * cosine);
         return outside > 0 ? transmitted(std::sqrt(outside)) : 0;
@@ -169,4 +169,4 @@ Evaluate apply_coat(Evaluate base, const Coat& coat) {
     };
 }
 
-}  // namespace srbf
+}  // namespace

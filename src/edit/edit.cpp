@@ -90,7 +90,7 @@ struct Editor {
         const HighlightAndBody parts = separate_highlight(model);
         const std::array<Evaluate, 2> f{evaluator(parts.highlight), evaluator(parts.body)};
         const std::array<Rgb, 2> tint{wanted.highlight, wanted.body};
-        double share = 1;
+        double fraction = 1;
         const double limit = bound.limit();
         for (const double view : {0.0, 25.0, 45.0, 60.0, 75.0}) {
             const std::array<Rgb, 2> reflected{albedo(f[0], view * k_degree, k_pi / 2),
@@ -100,10 +100,10 @@ struct Editor {
                 for (std::size_t k = 0; k < 2; ++k)
                     (largest_of(tint[k]) > 1 ? raised : fixed) += double(tint[k][c] * reflected[k][c]);
                 if (raised > 0 && fixed + raised > limit)
-                    share = std::min(share, std::max(limit - fixed, 0.0) / raised);
+                    fraction = std::min(fraction, std::max(limit - fixed, 0.0) / raised);
             }
         }
-        const auto within = [&](const Rgb& rgb) { return largest_of(rgb) > 1 ? scaled(float(share), rgb) : rgb; };
+        const auto within = [&](const Rgb& rgb) { return largest_of(rgb) > 1 ? scaled(float(fraction), rgb) : rgb; };
         return {within(wanted.highlight), within(wanted.body)};
     }
     Result<PmModel> operator()(const PmModel& model, const Tint& tint) {
@@ -238,4 +238,4 @@ Result<Model> blend_models(const Model& a, const Model& b, double mix) {
                   {"edits", fmt::format("{} and {}, mixed at {:g}", described(a), described(b), mix)}}};
 }
 
-}  // namespace srbf
+}  // namespace

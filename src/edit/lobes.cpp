@@ -112,8 +112,8 @@ PmForm common_form(PmForm a, PmForm b) {
 
 double spread(const PmModel& model, int lobe) { return reflected(model, lobe).spread; }
 
-std::vector<double> body_shares(const PmModel& model) {
-    constexpr double k_much_nearer = 0.5, k_min_share_of_body = 0.05;
+std::vector<double> body_fractions(const PmModel& model) {
+    constexpr double k_much_nearer = 0.5, k_min_fraction_of_body = 0.05;
     std::vector<Reflected> lobes;
     Rgb highlight, body, all;
     for (int j = 0; j < model.lobes; ++j) {
@@ -126,28 +126,29 @@ std::vector<double> body_shares(const PmModel& model) {
             if (part) (*part)[c] += lobe.albedo[c];
         }
     }
-    const bool has_body = mean_of(body) >= k_min_share_of_body * mean_of(all);
-    std::vector<double> shares;
+    const bool has_body = mean_of(body) >= k_min_fraction_of_body * mean_of(all);
+    std::vector<double> fractions;
     for (const Reflected& lobe : lobes) {
         const bool has_its_colour =
             chromatic_distance(lobe.albedo, body) < k_much_nearer * chromatic_distance(lobe.albedo, highlight);
         const double linear = (lobe.spread - k_max_highlight_spread) / (1 - k_max_highlight_spread);
         const double between = !has_body ? 0 : has_its_colour ? 1 : linear;
-        shares.push_back(lobe.spread >= k_min_body_spread ? 1 : lobe.spread < k_max_highlight_spread ? 0 : between);
+        fractions.push_back(lobe.spread >= k_min_body_spread ? 1 : lobe.spread < k_max_highlight_spread ? 0 : between);
     }
-    return shares;
+    return fractions;
 }
 
 HighlightAndBody separate_highlight(const PmModel& model) {
-    const std::vector<double> body_share = body_shares(model);
-    return {with_colours(model, [&](std::size_t j, const Rgb& beta) { return scaled(float(1 - body_share[j]), beta); }),
-            with_colours(model, [&](std::size_t j, const Rgb& beta) { return scaled(float(body_share[j]), beta); })};
+    const std::vector<double> body_fraction = body_fractions(model);
+    return {
+        with_colours(model, [&](std::size_t j, const Rgb& beta) { return scaled(float(1 - body_fraction[j]), beta); }),
+        with_colours(model, [&](std::size_t j, const Rgb& beta) { return scaled(float(body_fraction[j]), beta); })};
 }
 
 PmModel tinted(PmModel model, const Tint& tint) {
-    const std::vector<double> body_share = body_shares(model);
+    const std::vector<double> body_fraction = body_fractions(model);
     return with_colours(std::move(model), [&](std::size_t j, const Rgb& beta) {
-        const Rgb by = body_share[j] < 1 ? mixed(tint.highlight, tint.body, float(body_share[j])) : tint.body;
+        const Rgb by = body_fraction[j] < 1 ? mixed(tint.highlight, tint.body, float(body_fraction[j])) : tint.body;
         return Rgb{beta.r * by.r, beta.g * by.g, beta.b * by.b};
     });
 }
@@ -186,10 +187,10 @@ PmModel scaled(PmModel model, float factor) {
 }
 
 PmModel widened(PmModel model, double factor) {
-    const std::vector<double> body_share = body_shares(model);
+    const std::vector<double> body_fraction = body_fractions(model);
     const auto N = std::size_t(model.variates), F = std::size_t(features(model.form));
-    for (std::size_t j = 0; j < body_share.size(); ++j) {
-        if (body_share[j] > 0.5) continue;
+    for (std::size_t j = 0; j < body_fraction.size(); ++j) {
+        if (body_fraction[j] > 0.5) continue;
         for (std::size_t i = j * N; i < (j + 1) * N; ++i)
             model.bandwidth[i] = float(double(model.bandwidth[i]) / (factor * factor));
         for (std::size_t k = 2; k < F; ++k)  // γ and σ, of features linear in the slope
@@ -214,4 +215,4 @@ PmModel join_lobes(PmModel a, PmModel b) {
     return a;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -4,7 +4,7 @@
 
 namespace SRBF_NAMESPACE {
 
-/// The shares of lobes that belong to the highlight, and to the body.
+/// The fractions of lobes that belong to the highlight, and to the body.
 struct HighlightAndBody {
     PmModel highlight, body;
 };
@@ -43,4 +43,4 @@ Evaluate apply_coat(Evaluate base, const Coat& coat);
 Result<PmModel> refit(const Evaluate& f, std::span<const PmModel> begin, int lobes, double albedo_limit,
                       const EditOptions& options);
 
-}  // namespace srbf
+}  // namespace

@@ -58,4 +58,4 @@ Result<PmModel> refit(const Evaluate& f, std::span<const PmModel> begin, int lob
     return std::move(fitted->model);
 }
 
-}  // namespace srbf
+}  // namespace

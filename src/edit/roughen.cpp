@@ -24,7 +24,7 @@ double roughness_of(const Evaluate& highlight) {
     constexpr double k_steepest = 80 * k_degree, k_apart = 30 * k_degree;
     std::vector<Vec3f> wl, wv;
     std::vector<Rgb> f(k_steps);
-    std::vector<double> slope, share;  // slopes, and shares of the facets' projected area up to them
+    std::vector<double> slope, fraction;  // slopes, and shares of the facets' projected area up to them
     for (int i = 0; i < k_steps; ++i) {
         const double theta = k_steepest * elementary::square((i + 0.5) / k_steps);
         const Vec3d h = spherical(theta, 0.0), across{0, elementary::sin(k_apart), 0};
@@ -38,10 +38,10 @@ double roughness_of(const Evaluate& highlight) {
         // f cosθl cosθv is D up to a factor, and D cosθh sinθh dθh the projected area. dθh grows with i.
         const double step = (double(i) + 0.5) * slope[i] / (1 + slope[i] * slope[i]);
         sum += luminance(f[i]) * cosines(wl[i], wv[i]) * step;
-        share.push_back(sum);
+        fraction.push_back(sum);
     }
     if (!(sum > 0)) return 0;
-    return slope[std::size_t(std::ranges::lower_bound(share, 0.5 * sum) - share.begin())];
+    return slope[std::size_t(std::ranges::lower_bound(fraction, 0.5 * sum) - fraction.begin())];
 }
 
 Evaluate apply_roughening(Evaluate highlight, double factor, double roughness) {
@@ -64,4 +64,4 @@ Evaluate apply_roughening(Evaluate highlight, double factor, double roughness) {
         };
 }
 
-}  // namespace srbf
+}  // namespace

@@ -187,4 +187,4 @@ std::vector<double> flip_map(const Image& reference, const Image& other, double 
     return map;
 }
 
-}  // namespace srbf
+}  // namespace

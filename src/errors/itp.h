@@ -28,4 +28,4 @@ inline constexpr Matrix3 k_to_itp =
 
 #include "errors/itp.inl"
 
-}  // namespace srbf
+}  // namespace

@@ -1,4 +1,3 @@
-
 #include "brdf/values.h"
 #include "errors/sphere.h"
 #include "srbf/elementary.h"
@@ -13,7 +12,7 @@ double smooth_step(double a, double b, double x) {
 }
 
 constexpr double k_horizon_height = 0.1;  ///< sky and ground blend within this height above and below the horizon
-constexpr double k_soft_edge = 0.1;       ///< the soft edge of a source, as a share of the cosine's range over it
+constexpr double k_soft_edge = 0.1;       ///< the soft edge of a source, as a fraction of the cosine's range over it
 
 }  // namespace
 
@@ -26,8 +25,8 @@ Rgb radiance(const Lighting& lighting, Vec3d w) {
         if (cosine <= 1 - radius * radius / 2) continue;  // a fast bound: 1 − r²/2 < cos r
         const double edge = elementary::cos(radius);
         if (cosine <= edge) continue;
-        const double share = smooth_step(edge, edge + k_soft_edge * (1 - edge), cosine);
-        for (int c = 0; c < 3; ++c) sum[c] += float(share) * source.power[c];
+        const double fraction = smooth_step(edge, edge + k_soft_edge * (1 - edge), cosine);
+        for (int c = 0; c < 3; ++c) sum[c] += float(fraction) * source.power[c];
     }
     return sum;
 }
@@ -68,4 +67,4 @@ std::span<const Lighting> standard_lightings() {
     return all;
 }
 
-}  // namespace srbf
+}  // namespace

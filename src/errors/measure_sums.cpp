@@ -82,7 +82,7 @@ ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const
                      const TransformedValues& other) {
     constexpr Doubles d;
     const DoubleBatch one = hn::Set(d, 1.0);
-    const double max_apart = -elementary::log(k_min_share);
+    const double max_apart = -elementary::log(k_log_floor);
     HWY_ALIGN double error_lanes[k_measures.size()][k_lanes], reference_lanes[k_measures.size()][k_lanes];
     for (std::size_t lane = 0; lane < k_lanes; lane += hn::MaxLanes(d)) {
         SquareBatch sums[k_measures.size()];
@@ -122,7 +122,7 @@ ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace srbf
+}  // namespace
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
@@ -139,5 +139,5 @@ ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const
     return HWY_DYNAMIC_DISPATCH(error_sums)(cosines, weight, f, other);
 }
 
-}  // namespace srbf
+}  // namespace
 #endif

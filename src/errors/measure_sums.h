@@ -30,8 +30,8 @@ void transform(const PairCosines& cosines, TransformedValues& values);
 struct SquareSums {
     double error = 0, reference = 0;
 };
-/// Where log f and log f̂ are compared, f̂ counts as at least this share of f.
-inline constexpr double k_min_share = 1e-6;
+/// Where log f and log f̂ are compared, f̂ counts as at least this fraction of f.
+inline constexpr double k_log_floor = 1e-6;
 /// The sums of all measures, in the order of `k_measures`, and the numbers of pairs.
 struct ErrorSums {
     std::array<SquareSums, k_measures.size()> measures = {};
@@ -50,4 +50,4 @@ struct ErrorSums {
 ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const TransformedValues& f,
                      const TransformedValues& other);
 
-}  // namespace srbf
+}  // namespace

@@ -240,4 +240,4 @@ std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evalu
     return comparisons;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -61,4 +61,4 @@ inline float sample_cap(double max_theta) { return float(elementary::cos(max_the
 std::vector<double> albedo_errors(const Evaluate& reference, std::span<const Evaluate> others,
                                   const MeasureOptions& options);
 
-}  // namespace srbf
+}  // namespace

@@ -16,4 +16,4 @@ float exposure_to(const Image& image, double value) {
     return float(std::min(value / *quantile, double(std::numeric_limits<float>::max())));
 }
 
-}  // namespace srbf
+}  // namespace

@@ -155,4 +155,4 @@ std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<co
     return compare_pictures(brdfs, pairs, options);
 }
 
-}  // namespace srbf
+}  // namespace

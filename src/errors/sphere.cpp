@@ -70,23 +70,23 @@ Rgb operator*(double factor, const Rgb& light) {
 
 /// Shares of zenith, horizon and ground in the radiance of any sky from direction w: the colour of a sky in which these
 /// are red, green and blue.
-Vec3d sky_shares(Vec3d w) {
+Vec3d sky_fractions(Vec3d w) {
     static const Lighting separate{{}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {}};
-    const Rgb shares = radiance(separate, w);
-    return {double(shares.r), double(shares.g), double(shares.b)};
+    const Rgb fractions = radiance(separate, w);
+    return {double(fractions.r), double(fractions.g), double(fractions.b)};
 }
-/// A channel of the sky's radiance, from `sky_shares`.
-double sky(const Lighting& lighting, Vec3d shares, int channel) {
-    return dot(shares, Vec3d{double(lighting.zenith[channel]), double(lighting.horizon[channel]),
-                             double(lighting.ground[channel])});
+/// A channel of the sky's radiance, from `sky_fractions`.
+double sky(const Lighting& lighting, Vec3d fractions, int channel) {
+    return dot(fractions, Vec3d{double(lighting.zenith[channel]), double(lighting.horizon[channel]),
+                                double(lighting.ground[channel])});
 }
 
 /// A pixel's radiance as sums over pairs of directions.
 struct Pixel {
     Vec3f wv;
     std::vector<Vec3f> wl;
-    std::vector<Vec3d> shares;  ///< terms of any sky at the first pairs: `sky_shares` times cosθl dωl
-    std::vector<Term> terms;    ///< the terms of the sources
+    std::vector<Vec3d> fractions;  ///< terms of any sky at the first pairs: `sky_fractions` times cosθl dωl
+    std::vector<Term> terms;       ///< the terms of the sources
 };
 /// The pixel with the frame's normal. `mirrored` are points of the mixture for a viewer with its θv at azimuth 0.
 Pixel make_pixel(const Frame& frame, const Quadrature& mirrored, const MirrorMixture& mixture,
@@ -101,15 +101,15 @@ Pixel make_pixel(const Frame& frame, const Quadrature& mirrored, const MirrorMix
     for (std::size_t i = 0; i < mirrored.w.size(); ++i) {
         const Vec3d l = Kernel<double>::turned(to_double(mirrored.w[i]), cosine, sine), w = frame.from(l);
         const double density = count * mirrored.pdf[i], measure = l.z / density;
-        const Vec3d share = sky_shares(w);
+        const Vec3d fraction = sky_fractions(w);
         for (std::size_t k = 0; k < lightings.size(); ++k)
             if (const double disc_density = discs[k].density_at(w); disc_density > 0) {
                 Rgb weight = l.z / (density + disc_density) * radiance(lightings[k], w);
-                for (int c = 0; c < 3; ++c) weight[c] -= float(measure * sky(lightings[k], share, c));
+                for (int c = 0; c < 3; ++c) weight[c] -= float(measure * sky(lightings[k], fraction, c));
                 pixel.terms.push_back({k, i, weight});
             }
         pixel.wl.push_back(to_float(l));
-        pixel.shares.push_back(measure * share);
+        pixel.fractions.push_back(measure * fraction);
     }
     for (std::size_t k = 0; k < lightings.size(); ++k) {
         const auto add = [&](Vec3d l, const Rgb& weight) {
@@ -126,9 +126,9 @@ Pixel make_pixel(const Frame& frame, const Quadrature& mirrored, const MirrorMix
 }
 
 std::vector<Rgb> radiances(const Pixel& pixel, std::span<const Rgb> f, std::span<const Lighting> lightings) {
-    std::array<Vec3d, 3> sums{};  // the shares of the sky in each channel
-    for (std::size_t i = 0; i < pixel.shares.size(); ++i)
-        for (std::size_t c = 0; c < 3; ++c) sums[c] = sums[c] + double(f[i][int(c)]) * pixel.shares[i];
+    std::array<Vec3d, 3> sums{};  // the fractions of the sky in each channel
+    for (std::size_t i = 0; i < pixel.fractions.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) sums[c] = sums[c] + double(f[i][int(c)]) * pixel.fractions[i];
     std::vector<Rgb> all(lightings.size());
     for (std::size_t k = 0; k < lightings.size(); ++k)
         for (int c = 0; c < 3; ++c) all[k][c] = float(sky(lightings[k], sums[std::size_t(c)], c));
@@ -218,4 +218,4 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
     return images;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -37,7 +37,7 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
 /// True if pixel (x, y) of such a picture shows the sphere.
 bool shows_sphere(int size, int x, int y);
 
-/// `exposure_to` maps the quantile of a picture to this share of white.
+/// `exposure_to` maps the quantile of a picture to this fraction of white.
 inline constexpr double k_exposed_value = 0.75;
 
 PictureErrors picture_errors(const Image& reference, const Image& other);

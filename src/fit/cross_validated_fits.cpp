@@ -24,7 +24,7 @@ namespace {
 constexpr int k_sample_starts = 6, k_sample_perturbations = 14;
 /// The fits to folds, which only estimate the error of the fit to all samples, have fewer starts.
 constexpr int k_fold_starts = 3;
-/// Approximate share of observing in the time of the fits to a fold's samples.
+/// Approximate fraction of observing in the time of the fits to a fold's samples.
 constexpr double k_observed_of_fold = 0.2;
 
 /// The largest number of lobes for these samples. Three values of each sample outside a fold are at least twice as many
@@ -168,4 +168,4 @@ Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const Sampl
     return fit_observed_samples(samples, &observed, request, sample_options(samples, request), progress);
 }
 
-}  // namespace srbf
+}  // namespace

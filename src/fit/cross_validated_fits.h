@@ -21,4 +21,4 @@ Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, std::span<con
 Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const SampleObservations& observed,
                                     const FitRequest& request, const ProgressToken& progress);
 
-}  // namespace srbf
+}  // namespace

@@ -27,17 +27,16 @@ constexpr double k_incidences[] = {0, 10, 20, 30, 40, 50, 60, 70, 80};
 struct Input {
     Evaluate f;  ///< none: nothing
     std::shared_ptr<const Measured> measured;
-    const PatchFit* patch_fit() const { return measured ? patch_fit_of(*measured) : nullptr; }
+    const PatchFitter* patch_fit() const { return measured ? patch_fit_of(*measured) : nullptr; }
 };
 using Inputs = std::array<Input, k_parts>;
 
 /// Values at all pairs of some directions, [1/sr]; NaN counts as 0.
-std::vector<Rgb> sampled(const Evaluate& f, bool exchanged) {
+std::vector<Rgb> sampled(const Evaluate& f) {
     const auto directions = fibonacci_directions(k_compared, k_compared_theta);
     std::vector<Rgb> all, row(directions.size());
     for (const Vec3f& w : directions) {
-        const std::vector<Vec3f> same(directions.size(), w);
-        exchanged ? f(same, directions, row) : f(directions, same, row);
+        f(directions, std::vector(directions.size(), w), row);
         for (Rgb& value : row) all.push_back(is_finite(value) ? value : Rgb{});
     }
     return all;
@@ -56,7 +55,7 @@ double energy(const std::vector<Rgb>& a) { return energy_between(a, std::vector<
 
 /// True if the model of the front part may be used for the back part.
 bool alike(const Input& front, const Input& back, Part part) {
-    const auto a = sampled(front.f, false), b = sampled(back.f, is_transmission(part));
+    const auto a = sampled(front.f), b = sampled(is_transmission(part) ? exchanged(back.f) : back.f);
     return energy_between(a, b) <= k_same_part * energy(a);
 }
 
@@ -64,11 +63,11 @@ bool alike(const Input& front, const Input& back, Part part) {
 Model black() { return {GgxModel{{}, {GgxModel::Lobe{}}}, {}}; }
 
 std::vector<Hemispherical> hemispherical(const Input& input, const Evaluate& fitted, const Beams& beams, Part part) {
-    if (const PatchFit* patch = input.patch_fit()) return patch->hemispherical(*input.measured, fitted, beams, part);
+    if (const PatchFitter* patch = input.patch_fit()) return patch->hemispherical(*input.measured, fitted, beams, part);
     std::vector<Hemispherical> all;
     for (const double degrees : k_incidences) {
         const double theta = degrees * k_degree,
-                     beam_fraction = double(share_at(beams, part, to_float(spherical(theta, 0.0))).g);
+                     beam_fraction = double(fraction_at(beams, part, to_float(spherical(theta, 0.0))).g);
         const auto sum = [&](const Evaluate& f) {
             return double(albedo(exchanged(f), theta, k_pi / 2).g) + beam_fraction;
         };
@@ -93,7 +92,7 @@ Result<FitOutcome> fit_part(const Input& input, Part part, FitRequest request, c
 Result<std::vector<PartFit>> fit_parts(const Inputs& inputs, BsdfModel& model, const FitRequest& request,
                                        const ProgressToken& progress) {
     std::array<bool, k_parts> is_black;
-    for (std::size_t p = 0; p < k_parts; ++p) is_black[p] = !inputs[p].f || !(energy(sampled(inputs[p].f, false)) > 0);
+    for (std::size_t p = 0; p < k_parts; ++p) is_black[p] = !inputs[p].f || !(energy(sampled(inputs[p].f)) > 0);
     std::vector<PartFit> parts;
     for (std::size_t p = 0; p < k_parts; ++p) {
         if (!inputs[p].f) continue;
@@ -122,15 +121,17 @@ void measure(PartFit& fit, const Input& input, const BsdfModel& bsdf) {
     const Evaluate fitted = [&](auto wl, auto wv, auto f) {
         if (!used.brdf)
             std::ranges::fill(f, Rgb{});
+        else if (used.is_exchanged)
+            evaluate(*used.brdf, wv, wl, f);
         else
-            used.exchanged ? evaluate(*used.brdf, wv, wl, f) : evaluate(*used.brdf, wl, wv, f);
+            evaluate(*used.brdf, wl, wv, f);
     };
     fit.hemispherical = hemispherical(input, fitted, bsdf.beam, fit.part);
-    if (const PatchFit* patch = input.patch_fit()) {
+    if (const PatchFitter* patch = input.patch_fit()) {
         fit.squared_error_ratio = patch->error_ratio(*input.measured, fitted);
     } else if (!fit.black) {
-        const auto a = sampled(input.f, false);
-        fit.squared_error_ratio = energy_between(a, sampled(fitted, false)) / energy(a);
+        const auto a = sampled(input.f);
+        fit.squared_error_ratio = energy_between(a, sampled(fitted)) / energy(a);
     }
 }
 
@@ -184,9 +185,9 @@ Result<BsdfOutcome> fit_inputs(const Inputs& inputs, const Beams& beams, const F
 
 }  // namespace
 
-const PatchFit* patch_fit_of(const Measured& part) {
-    for (const std::span<const PatchFit> fits : k_extra_fits)
-        for (const PatchFit& fit : fits)
+const PatchFitter* patch_fit_of(const Measured& part) {
+    for (const std::span<const PatchFitter> fits : k_extra_fits)
+        for (const PatchFitter& fit : fits)
             if (fit.is_of(part)) return &fit;
     return nullptr;
 }
@@ -194,14 +195,14 @@ const PatchFit* patch_fit_of(const Measured& part) {
 void end_mirrors(Beams& beams, const std::array<Evaluate, k_parts>& parts) {
     for (const std::size_t p : {0, 1}) {
         Beam& mirror = beams[p];
-        if (mirror.empty() || mirror.theta.back() == float(k_pi / 2) || mirror.share.back() == Rgb{}) continue;
+        if (mirror.empty() || mirror.theta.back() == float(k_pi / 2) || mirror.fraction.back() == Rgb{}) continue;
         Rgb end{1, 1, 1};
         for (const std::size_t part : {p, parts[2 + p] ? 2 + p : 3 - p}) {
             if (!parts[part]) continue;
             const Rgb scattered = albedo(exchanged(parts[part]), double(mirror.theta.back()), k_pi / 2);
             for (int c = 0; c < 3; ++c) end[c] = std::clamp(end[c] - scattered[c], 0.f, 1.f);
         }
-        mirror.theta.push_back(float(k_pi / 2)), mirror.share.push_back(end);
+        mirror.theta.push_back(float(k_pi / 2)), mirror.fraction.push_back(end);
         if (!mirror.azimuths.empty()) mirror.azimuths.push_back(1);
     }
 }
@@ -240,4 +241,4 @@ Result<BsdfOutcome> fit_bsdf(const std::array<Evaluate, k_parts>& parts, const F
     return fit_inputs(inputs, {}, request, progress);
 }
 
-}  // namespace srbf
+}  // namespace

@@ -9,7 +9,7 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// Approximate shares of the time until these are measured.
+/// Approximate fractions of the time until these are measured.
 constexpr double k_matrix_measured = 0.75, k_heldout_measured = 0.9, k_albedo_measured = 0.95;
 
 /// Writes the main errors into the model's provenance.
@@ -58,7 +58,7 @@ void measure_appearance(FitOutcome& outcome, const FittedData& data, const Evalu
         results.push_back(&result);
         pairs.push_back(pair);
     };
-    if (is_table) compare(outcome.exchanged, {k_reference, add(exchanged(reference))});
+    if (is_table) compare(outcome.exchanged_errors, {k_reference, add(exchanged(reference))});
     if (data.smoothed_values()) compare(outcome.against_smoothed, {add(data.smoothed_values()), k_fitted});
     if (is_table && data.fits_mean(request)) compare(outcome.against_mean, {add(reciprocal_mean(reference)), k_fitted});
     const std::size_t folds = pairs.size();
@@ -70,7 +70,7 @@ void measure_appearance(FitOutcome& outcome, const FittedData& data, const Evalu
                                           .progress = progress.subrange(k_albedo_measured, 1)});
     outcome.errors->appearance = errors[0];
     for (std::size_t pair = 1; pair < folds; ++pair) *results[pair] = errors[pair];
-    if (outcome.exchanged && !(outcome.exchanged->mean.delta_e > 0)) outcome.exchanged.reset();
+    if (outcome.exchanged_errors && !(outcome.exchanged_errors->mean.delta_e > 0)) outcome.exchanged_errors.reset();
     if (folds < pairs.size()) outcome.errors->heldout_appearance = mean_of(std::span(errors).subspan(folds));
 }
 
@@ -94,4 +94,4 @@ Result<Done> measure_errors(FitOutcome& outcome, const FittedData& data, const F
     return Done{};
 }
 
-}  // namespace srbf
+}  // namespace

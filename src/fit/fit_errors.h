@@ -9,4 +9,4 @@ namespace SRBF_NAMESPACE {
 Result<Done> measure_errors(FitOutcome& outcome, const FittedData& data, const FitRequest& request,
                             const ProgressToken& progress);
 
-}  // namespace srbf
+}  // namespace

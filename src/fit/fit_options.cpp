@@ -278,4 +278,4 @@ Result<FitRequest> fit_request(const FitTexts& texts, const Spelling& spelling) 
     return request;
 }
 
-}  // namespace srbf
+}  // namespace

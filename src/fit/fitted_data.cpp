@@ -7,7 +7,7 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-constexpr double k_smoothed = 0.5;  ///< approximate share of the time of a fit to a noisy table until it is smoothed
+constexpr double k_smoothed = 0.5;  ///< approximate fraction of the time of a fit to a noisy table until it is smoothed
 
 }  // namespace
 
@@ -61,7 +61,7 @@ Result<const Observations*> FittedData::observations(const FitRequest& request, 
                              .seed = request.seed,
                              .threads = request.threads,
                              .smoothed = fitted(smoothed_),
-                             .noise = noise_ ? largest_share(*noise_) : 0},
+                             .noise = noise_ ? largest_fraction(*noise_) : 0},
                             progress);
     if (!observed) return observed.error();
     if (request.spectral) {
@@ -87,4 +87,4 @@ Result<Evaluate> FittedData::gap_filled(const FitRequest& request) const {
     return evaluator(*std::move(filled));
 }
 
-}  // namespace srbf
+}  // namespace

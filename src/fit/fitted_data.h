@@ -59,4 +59,4 @@ class FittedData {
     std::map<double, bool> isotropic_;  ///< the keys are θmax
 };
 
-}  // namespace srbf
+}  // namespace

@@ -26,7 +26,7 @@ namespace {
 constexpr std::size_t k_draft_pairs = 4096;
 constexpr int k_draft_starts = 3;
 
-/// Approximate shares of the time of a fit until something is observed or fitted.
+/// Approximate fractions of the time of a fit until something is observed or fitted.
 constexpr double k_observed = 0.1, k_samples_observed = 0.05, k_drafts_observed = 0.3, k_fitted = 0.75;
 
 Result<FitOutcome> fit_and_measure(Fitter fitter, const FitRequest& request, const ProgressToken& progress) {
@@ -276,4 +276,4 @@ std::vector<Vec3f> matrix_directions(const Model& model, double theta_max) {
     return fibonacci_directions(k_matrix_directions, theta_max);
 }
 
-}  // namespace srbf
+}  // namespace

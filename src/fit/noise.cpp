@@ -90,31 +90,31 @@ Evaluate above_noise(const Evaluate& f, const Rgb& deviation) {
 }
 
 /// The fractions λ of `smoothed`.
-Rgb share_of_noise(const Evaluate& f, const Evaluate& fitted, const Rgb& deviation) {
+Rgb fraction_of_noise(const Evaluate& f, const Evaluate& fitted, const Rgb& deviation) {
     const std::vector<Rgb> values = at_triples(f), means = at_triples(fitted);
-    Rgb share;
+    Rgb lambda;
     for (int c = 0; c < 3; ++c) {
         std::vector<std::pair<double, double>> differences;
         for (std::size_t i = 0; i < values.size(); ++i)
             if (std::isfinite(values[i][c]))
                 differences.emplace_back(double(means[i][c]), double(values[i][c]) - double(means[i][c]));
         const double ratio = double(deviation[c]) / dark_deviation(std::move(differences));
-        share[c] = float(ratio < 1 ? ratio * ratio : 1);
+        lambda[c] = float(ratio < 1 ? ratio * ratio : 1);
     }
-    return share;
+    return lambda;
 }
 
 /// The result of `smoothed`, by this f̂.
 Evaluate smoothed_towards(const Evaluate& fitted, const Evaluate& f, const Rgb& deviation) {
-    const Rgb share = share_of_noise(f, fitted, deviation);
-    return [f, fitted, deviation, share](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
+    const Rgb lambda = fraction_of_noise(f, fitted, deviation);
+    return [f, fitted, deviation, lambda](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
         std::vector<Rgb> means(values.size());
         f(wl, wv, values);
         fitted(wl, wv, means);
         for (std::size_t i = 0; i < values.size(); ++i)
             for (int c = 0; c < 3; ++c) {
                 const float max = k_noise_limit * deviation[c];
-                values[i][c] -= share[c] * std::clamp(values[i][c] - means[i][c], -max, max);  // NaN remains
+                values[i][c] -= lambda[c] * std::clamp(values[i][c] - means[i][c], -max, max);  // NaN remains
             }
     };
 }
@@ -142,9 +142,9 @@ Noise noise_of(const Evaluate& f) {
     return noise;
 }
 
-bool is_noisy(const Noise& noise) { return share_of(noise) > k_noisy || noise.negative > k_negative; }
+bool is_noisy(const Noise& noise) { return fraction_of(noise) > k_noisy || noise.negative > k_negative; }
 
-double largest_share(const Noise& noise) {
+double largest_fraction(const Noise& noise) {
     constexpr double k_infinite = std::numeric_limits<double>::infinity();
     double largest = 0;
     for (int c = 0; c < 3; ++c) {
@@ -182,8 +182,8 @@ Result<Evaluate> smoothed_to_noise(const Measured& measured, int threads, const 
     const Evaluate f = signed_evaluator(measured);
     const Noise noise = noise_of(f);
     if (!is_noisy(noise))
-        return refused("a noisy table", fmt::format("noise of {:.0f} % of dark values", 100 * share_of(noise)));
+        return refused("a noisy table", fmt::format("noise of {:.0f} % of dark values", 100 * fraction_of(noise)));
     return smoothed(f, noise, true, threads, progress);
 }
 
-}  // namespace srbf
+}  // namespace

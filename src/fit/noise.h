@@ -12,13 +12,13 @@ Noise noise_of(const Evaluate& f);
 bool is_noisy(const Noise& noise);
 
 /// The deviation relative to the value, by means over the channels; 0 where the value is not above 0.
-inline double share_of(const Noise& noise) {
+inline double fraction_of(const Noise& noise) {
     const auto sum = [](const Rgb& x) { return double(x.r) + double(x.g) + double(x.b); };
     return sum(noise.level) > 0 ? sum(noise.deviation) / sum(noise.level) : 0;
 }
 /// The largest deviation of a channel relative to its value; infinite if there is noise about a value that is not above
 /// 0.
-double largest_share(const Noise& noise);
+double largest_fraction(const Noise& noise);
 
 /// f smoothed to its noise: f − λ clamp(f − f̂, ±3σ). It is f̂ where the two differ by noise, and keeps features that
 /// f̂ lacks. λ = min(1, σ²/ρ²) is the fraction of the difference f − f̂, whose deviation is ρ in the dark, that is
@@ -27,4 +27,4 @@ double largest_share(const Noise& noise);
 Result<Evaluate> smoothed(const Evaluate& f, const Noise& noise, bool axial, int threads,
                           const ProgressToken& progress);
 
-}  // namespace srbf
+}  // namespace

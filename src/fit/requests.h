@@ -58,7 +58,7 @@ template <typename Fit> Result<FitOutcome> outcome_of(Result<Fit> fit) {
 inline void name_source(Model& model, const Measured& measured) {
     if (!measured.source.empty())
         model.provenance["source"] = measured.source.substr(measured.source.find_last_of('/') + 1);
-    if (measured.exchanged) model.provenance["exchanged"] = k_exchanged;
+    if (measured.is_exchanged) model.provenance["exchanged"] = k_exchanged;
     if (const auto* samples = std::get_if<ScatteredSamples>(&measured.table); samples && !samples->receiver.empty())
         model.provenance["receiver [nm, sr]"] = fmt::format("{}", samples->receiver);
 }
@@ -74,4 +74,4 @@ Result<FitOutcome> fit_by_kind(const FitRequest& request, const Observations& ob
 /// A view-by-view fit, which observes all pairs of directions itself.
 Result<FitOutcome> fit_view_by_view(const Evaluate& f, const FitRequest& request, const ProgressToken& progress);
 
-}  // namespace srbf
+}  // namespace

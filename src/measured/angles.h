@@ -22,4 +22,4 @@ inline float polar_angle(Vec3f w) { return polar_angle(w.x * w.x + w.y * w.y, w.
 /// The angle between the normal and any vector, in double precision.
 inline double polar_angle(const Vec3d& w) { return elementary::atan2(elementary::hypot(w.x, w.y), w.z); }
 
-}  // namespace srbf
+}  // namespace

@@ -55,4 +55,4 @@ inline constexpr float k_largest_value = 1e12f;
 inline constexpr float k_max_float = std::numeric_limits<float>::max();
 inline constexpr float k_nan = std::numeric_limits<float>::quiet_NaN();
 
-}  // namespace srbf
+}  // namespace

@@ -175,4 +175,4 @@ double change_by_azimuth(const ScatteredSamples& samples) {
     return 0;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -91,4 +91,4 @@ Result<Measured> join_measurements(std::span<const Measured> files) {
     return all;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -45,7 +45,7 @@ void exchange(Measured& measured) {
         std::swap(samples->wl, samples->wv);
         make_index(*samples);
     } else {
-        measured.exchanged = !measured.exchanged;
+        measured.is_exchanged = !measured.is_exchanged;
     }
 }
 
@@ -94,7 +94,7 @@ template <typename LookUp> void look_up_mean(Vec3f wl, Vec3f wv, std::span<float
     return f;
 }
 
-bool is_same_share(float a, float b) {
+bool is_same_fraction(float a, float b) {
     constexpr float k_relative = 0.01f, k_absolute = 0.001f;
     return std::abs(a - b) <= std::max(k_relative * 0.5f * (a + b), k_absolute);
 }
@@ -102,7 +102,7 @@ bool is_same_share(float a, float b) {
 }  // namespace
 
 Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv) {
-    if (measured.exchanged) std::swap(wl, wv);
+    if (measured.is_exchanged) std::swap(wl, wv);
     if (lacks_azimuth(measured, wl, wv)) [[unlikely]]
         return mean_value(measured, wl, wv);
     return std::visit([&](const auto& table) { return signed_value(table, wl, wv); }, measured.table);
@@ -112,7 +112,7 @@ Evaluate signed_evaluator(const Measured& measured) {
     return [&measured](auto wl, auto wv, auto f) {
         const StandardArithmetic mode;
         require_equal_lengths(wl.size(), wv.size(), f.size());
-        if (measured.exchanged) std::swap(wl, wv);
+        if (measured.is_exchanged) std::swap(wl, wv);
         const auto evaluate = [&](const auto& table) {
             if constexpr (std::is_same_v<decltype(table), const EvaluatedTable&>)
                 table.values(wl, wv, f);
@@ -152,7 +152,7 @@ Channels signed_spectra(const Measured& measured) {
     return {{nm.begin(), nm.end()}, [&measured, C = nm.size()](auto wl, auto wv, auto f) {
                 const StandardArithmetic mode;
                 require_equal_lengths(C * wl.size(), C * wv.size(), f.size());
-                if (measured.exchanged) std::swap(wl, wv);
+                if (measured.is_exchanged) std::swap(wl, wv);
                 const auto evaluate = [&](const auto& table) {
                     const auto look_up = [&](Vec3f l, Vec3f v, auto to) { signed_spectrum(table, l, v, to); };
                     for (std::size_t i = 0; i < wl.size(); ++i)
@@ -175,11 +175,11 @@ Channels spectra(const Measured& measured) {
     return channels;
 }
 
-bool are_same_share(const Rgb& a, const Rgb& b) {
-    return is_same_share(a.r, b.r) && is_same_share(a.g, b.g) && is_same_share(a.b, b.b);
+bool are_same_fraction(const Rgb& a, const Rgb& b) {
+    return is_same_fraction(a.r, b.r) && is_same_fraction(a.g, b.g) && is_same_fraction(a.b, b.b);
 }
 
-Rgb mean_share(std::span<const Rgb> values) {
+Rgb mean_fraction(std::span<const Rgb> values) {
     std::array<double, 3> sum{};
     for (const Rgb& value : values)
         for (int c = 0; c < 3; ++c) sum[std::size_t(c)] += double(value[c]);
@@ -194,11 +194,11 @@ void unite_transmissions(Beams& beams) {
     for (std::size_t ring = 0; ring < front.theta.size(); ++ring)
         for (int k = 0; k < front.nodes(ring); ++k) {
             const Vec3f wl = to_float(spherical(double(front.theta[ring]), 2 * k_pi * k / front.nodes(ring)));
-            const Rgb a = front.share[means.size()], b = share_at(back, mirror(wl));
-            if (!are_same_share(a, b)) return;
-            means.push_back(mean_share(std::array{a, b}));
+            const Rgb a = front.fraction[means.size()], b = fraction_at(back, mirror(wl));
+            if (!are_same_fraction(a, b)) return;
+            means.push_back(mean_fraction(std::array{a, b}));
         }
-    front.share = std::move(means);
+    front.fraction = std::move(means);
     back = {};
 }
 
@@ -207,7 +207,8 @@ Rgb signed_value(const BsdfTable& table, Vec3f wl, Vec3f wv) {
     if (!pair) return {};
     const PartSource<Measured> used = part_source(table.band().part, pair->part);
     if (!used.brdf) return {};
-    return used.exchanged ? signed_value(*used.brdf, pair->wv, pair->wl) : signed_value(*used.brdf, pair->wl, pair->wv);
+    return used.is_exchanged ? signed_value(*used.brdf, pair->wv, pair->wl)
+                             : signed_value(*used.brdf, pair->wl, pair->wv);
 }
 
 Result<Done> choose_band(Measured& measured, std::string_view name) {
@@ -225,4 +226,4 @@ Result<Done> choose_band(Measured& measured, std::string_view name) {
                           std::string(name));
 }
 
-}  // namespace srbf
+}  // namespace

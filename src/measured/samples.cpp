@@ -247,4 +247,4 @@ std::optional<std::string> plain_text(std::span<const std::byte> bytes) {
     return text.empty() || !is_text(as_bytes(text)) ? std::nullopt : std::optional(std::move(text));
 }
 
-}  // namespace srbf
+}  // namespace

@@ -51,10 +51,10 @@ class SampleBuilder {
 
 /// Masks numbers that stand for no value in a measurement, such as −999, in rows of `width` numbers: sets every number
 /// of their rows to NaN. Such a number is
-/// * the least of all, if it is below 0, an integer or in several rows, ten times as far below 0 as numbers of other
-///   rows, and either twice as far from 0 as the median of positive ones or an integer among fractions. A row with a
-///   number as large has a saturated colour instead;
-/// * the largest of all, if several rows have it, it is an integer of nines or the largest of a type (9999, 65535), and
+/// * the least of all, like −999 among numbers from −0.2 to 50.5, if it is below 0; is an integer or in several rows;
+///   is ten times as far below 0 as those of other rows; and is twice as far from 0 as the median of positive numbers,
+///   or an integer among fractions. If its row has a number as large above 0, it is a saturated colour instead;
+/// * the largest of all, if several rows have it; it is an integer of nines or the largest of a type (9999, 65535); and
 ///   it is twice as large as numbers of other rows.
 /// The numbers are in the unit of their file. `notes`: receives a line for each of them.
 void mask_missing(std::span<float> rows, std::size_t width, std::vector<std::string>* notes = nullptr);
@@ -210,4 +210,4 @@ inline constexpr std::size_t k_wavelength_column = 4, k_value_column = 5, k_weig
 Result<ScatteredSamples> samples_of_rows(std::vector<SpectralRow>& rows, std::size_t bytes,
                                          const std::string& file_name, std::string description, bool isotropic = false);
 
-}  // namespace srbf
+}  // namespace

@@ -218,4 +218,4 @@ void signed_spectrum(const ScatteredSamples& samples, Vec3f wl, Vec3f wv, std::s
         f[c] = neighbours.interpolate([&](std::size_t i) { return samples.spectrum[i * f.size() + c]; });
 }
 
-}  // namespace srbf
+}  // namespace

@@ -55,4 +55,4 @@ Result<ScatteredSamples> samples_of_rows(std::vector<SpectralRow>& rows, std::si
     return samples;
 }
 
-}  // namespace srbf
+}  // namespace

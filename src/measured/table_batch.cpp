@@ -130,7 +130,7 @@ void evaluate_merl(const MerlTable& table, const Vec3f* wl, const Vec3f* wv, Rgb
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace srbf
+}  // namespace
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
@@ -160,5 +160,5 @@ void evaluate_signed(const MerlTable& table, std::span<const Vec3f> wl, std::spa
     for (std::size_t i = 0; i < f.size(); ++i) f[i] = signed_value(table, wl[i], wv[i]);
 }
 
-}  // namespace srbf
+}  // namespace
 #endif

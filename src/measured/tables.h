@@ -34,10 +34,10 @@ void evaluate_signed(const MerlTable& table, std::span<const Vec3f> wl, std::spa
 void signed_spectrum(const RglTable& table, Vec3f wl, Vec3f wv, std::span<float> f);
 void signed_spectrum(const ScatteredSamples& samples, Vec3f wl, Vec3f wv, std::span<float> f);
 
-/// The change of samples with the azimuth, which isotropic ones lack: √(Σ |g_i − g_k|² / Σ |g_i|²) of g = f cosθl
-/// cosθv, over pairs of samples that a turn about the normal by more than 15° takes to each other, within 0.1° or 10°.
-/// 0 if there are none, as of lights or viewers at one azimuth, or in one plane, whose halves may differ; up to 14 %
-/// (noise), or 1 % where turns near 180° change less; and if smaller turns change more than 0.4 of it.
+/// The change of samples with the azimuth, √(Σ |g_i − g_k|² / Σ |g_i|²) of g = f cosθl cosθv, over pairs of samples
+/// that a turn about the normal by more than 15° takes to each other, within 0.1° or 10°. Returns 0 without such pairs
+/// (lights or viewers are at one azimuth, or in one plane, whose halves may differ), if the change is at most 14 %
+/// (noise), or 1 % where turns near 180° change less, and if smaller turns change more than 0.4 of it.
 double change_by_azimuth(const ScatteredSamples& samples);
 
 /// `signed_spectrum` on arrays of pairs. It keeps a reference to `measured`.
@@ -50,16 +50,16 @@ Channels signed_spectra(const Measured&&) = delete;
 /// the standard deviation `noise` [1/sr] of each channel causes is subtracted.
 bool is_isotropic(const Evaluate& f, double max_theta, const Rgb& noise = {});
 
-/// True if two shares of a beam are equal within the accuracy of a fit: 1 % of their mean, or 0.001.
-bool are_same_share(const Rgb& a, const Rgb& b);
-Rgb mean_share(std::span<const Rgb> shares);
+/// True if two fractions of a beam are equal within the accuracy of a fit: 1 % of their mean, or 0.001.
+bool are_same_fraction(const Rgb& a, const Rgb& b);
+Rgb mean_fraction(std::span<const Rgb> fractions);
 /// If the beams of both transmissions are reciprocal, sets the front's to their mean, and the back's to none.
 void unite_transmissions(Beams& beams);
 
 /// A part of a BSDF without the light that its table keeps as a peak though it is not scattered.
 struct SeparatedBeam {
     Evaluate rest;  ///< f with the peak cut off at the level about it
-    Beam beam;      ///< the share that is cut off
+    Beam beam;      ///< the fraction that is cut off
 };
 /// A line that `srbf info` prints about a table: a text, or the ranges of colours, channel by channel.
 struct TableLine {

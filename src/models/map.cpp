@@ -151,4 +151,4 @@ bool is_map_file(std::span<const std::byte> bytes) {
     return kind != content->metadata.end() && kind->second == k_map_kind;
 }
 
-}  // namespace srbf
+}  // namespace

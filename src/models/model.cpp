@@ -278,4 +278,4 @@ Result<Model> load_model(const std::string& path) {
     });
 }
 
-}  // namespace srbf
+}  // namespace

@@ -127,4 +127,4 @@ PmModel limit_albedo(const AlbedoBound& bound, PmModel model) {
     return excess(fine) > 1 ? lowered_at_views(fine, std::move(model)) : model;
 }
 
-}  // namespace srbf
+}  // namespace

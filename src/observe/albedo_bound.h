@@ -57,4 +57,4 @@ class AlbedoBound {
 /// views.
 PmModel limit_albedo(const AlbedoBound& bound, PmModel model);
 
-}  // namespace srbf
+}  // namespace

@@ -109,4 +109,4 @@ std::vector<ObservedIntegral> observe_albedos(const Evaluate& f, const ObserveOp
     return albedos;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -11,7 +11,7 @@ constexpr double k_min_left = 0.1;
 /// f cosθl + s, with the s of `Objective::appearance`.
 template <typename Real> SRBF_FN Real above_dark(Real f, Real bright, Real cos_l) {
     using std::max;
-    const Real s = Real(k_dark_share) * bright;
+    const Real s = Real(k_dark_fraction) * bright;
     return max(f * cos_l + s, Real(k_min_left) * s);
 }
 template <typename Real> SRBF_FN Real displayed_slope(Real f, Real bright, Real cos_l) {

@@ -56,4 +56,4 @@ std::size_t promote_exceeded_pairs(Observations& observations, std::size_t first
     return where.size();
 }
 
-}  // namespace srbf
+}  // namespace

@@ -35,4 +35,4 @@ double bound_weight(const Observations& observations, std::size_t i, double loss
 /// exceeds. `first` is the index of the first of them. Returns their number.
 std::size_t promote_exceeded_pairs(Observations& observations, std::size_t first, const PmModel& model, double loss);
 
-}  // namespace srbf
+}  // namespace

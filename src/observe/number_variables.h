@@ -6,8 +6,8 @@
 
 namespace SRBF_NAMESPACE {
 
-/// A number as a variable x in [0, 1] of the search: x is the share of the range from `min` to the
-/// member's largest value. For a colour the share is x², which is closer to visible differences.
+/// A number as a variable x in [0, 1] of the search: x is the fraction of the range from `min` to the
+/// member's largest value. For a colour the fraction is x², which is closer to visible differences.
 template <typename M> struct NumberVariable {
     const Member<M>* member;
     int channel;
@@ -22,9 +22,9 @@ template <typename M> struct NumberVariables {
         M model = fixed;
         for (std::size_t i = 0; i < all.size(); ++i) {
             const auto [member, c, min] = all[i];
-            const double root = x[Eigen::Index(i)], share = member->colour ? root * root : root;
+            const double root = x[Eigen::Index(i)], fraction = member->colour ? root * root : root;
             for (int k = c; k < member->count(); ++k)  // a grey colour has one variable, its first channel
-                number(model, *member, k) = float(double(min) + share * double(member->max - min));
+                number(model, *member, k) = float(double(min) + fraction * double(member->max - min));
         }
         return model;
     }
@@ -32,12 +32,12 @@ template <typename M> struct NumberVariables {
         Eigen::VectorXd x(Eigen::Index(all.size()));
         for (std::size_t i = 0; i < all.size(); ++i) {
             const auto [member, c, min] = all[i];
-            const double share = std::max(double(number(model, *member, c) - min) / double(member->max - min), 0.0);
-            x[Eigen::Index(i)] = member->colour ? std::sqrt(share) : share;
+            const double fraction = std::max(double(number(model, *member, c) - min) / double(member->max - min), 0.0);
+            x[Eigen::Index(i)] = member->colour ? std::sqrt(fraction) : fraction;
         }
         return x;
     }
     Eigen::VectorXd max() const { return Eigen::VectorXd::Ones(Eigen::Index(all.size())); }
 };
 
-}  // namespace srbf
+}  // namespace

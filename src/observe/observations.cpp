@@ -127,10 +127,10 @@ void average(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::size_t c
              const float* exchanged) {
     for (std::size_t i = 0; i < wl.size(); ++i) {
         const float cosine_l = std::max(wl[i].z, k_min_weight_cosine),
-                    cosine_v = std::max(wv[i].z, k_min_weight_cosine), share = cosine_v / (cosine_v + cosine_l);
+                    cosine_v = std::max(wv[i].z, k_min_weight_cosine), fraction = cosine_v / (cosine_v + cosine_l);
         for (std::size_t c = i * count; c < (i + 1) * count; ++c) {
             if (std::isnan(exchanged[c])) continue;
-            f[c] = std::isnan(f[c]) ? exchanged[c] : share * f[c] + (1 - share) * exchanged[c];
+            f[c] = std::isnan(f[c]) ? exchanged[c] : fraction * f[c] + (1 - fraction) * exchanged[c];
         }
     }
 }
@@ -157,4 +157,4 @@ Channels reciprocal_mean(Channels f) {
             }};
 }
 
-}  // namespace srbf
+}  // namespace

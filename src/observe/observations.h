@@ -60,7 +60,7 @@ struct ObservedIntegral {
     double cost = 1;             ///< cost of its relative error, compared with the costs of other integrals
     bool is_bound = false;       ///< true for a bound that a fit exceeded, whose cost does not lower the others
     double min_unit = 0;         ///< its errors are relative to its luminance, or to this if this is larger
-    /// a second lower limit of that unit, for noisy values; for every n-th direction it is divided by √n
+    /// for noisy values: errors are relative to at least noise_unit / √n if every n-th direction is kept
     double noise_unit = 0;
 };
 inline double luminance(const ObservedIntegral& integral) {
@@ -99,8 +99,8 @@ struct Observations {
     std::vector<ObservedView> views;  ///< points of pictures, also matched by a fit in its last stages
     std::uint64_t masked = 0;         ///< number of sampled pairs where nothing was measured
     std::uint64_t clamped = 0;        ///< number of negative channel values at sampled pairs
-    /// Lower bound on the roughness of microfacet lobes; 0: samples are dense, like those of a table. See
-    /// `min_roughness`.
+    /// Lower bound on the roughness of microfacet lobes (samples/observe_samples.h); 0: samples are dense, like those
+    /// of a table.
     double min_roughness = 0;
     std::vector<float> wavelengths;  ///< [nm] C wavelengths of spectral observations; otherwise empty
     std::vector<float> spectrum;     ///< f at each wavelength: observations × C [1/sr], ≥ 0
@@ -143,7 +143,7 @@ struct ObserveOptions {
     int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
     /// The measurement, smoothed to its noise (see `smoothed`); null: use the measurement itself.
     Evaluate smoothed = nullptr;
-    double noise = 0;             ///< noise of a smoothed measurement relative to its dark values, `largest_share`
+    double noise = 0;             ///< noise of a smoothed measurement relative to its dark values, `largest_fraction`
     bool horizon_albedos = true;  ///< appearance: albedos near the horizon; false if values there were not measured
     /// Divides the sizes of the pool, of the bound pairs around the mirror direction and of the albedos'
     /// quadratures. It is above 1 for values interpolated between samples, each of which needs a search.
@@ -196,4 +196,4 @@ std::vector<ObservedIntegral> observe_albedos(const Evaluate& f, const ObserveOp
 Evaluate reciprocal_mean(Evaluate f);
 Channels reciprocal_mean(Channels f);
 
-}  // namespace srbf
+}  // namespace

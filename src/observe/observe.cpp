@@ -185,4 +185,4 @@ void observe_spectra(Observations& observations, const Channels& spectra) {
     observations.clamped = std::uint64_t(clamp_negative(observations.spectrum));
 }
 
-}  // namespace srbf
+}  // namespace

@@ -113,4 +113,4 @@ std::vector<ObservedView> observe_views(const Evaluate& f, double theta_max, int
     return views;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -161,4 +161,4 @@ void weigh_large_errors(Observations& observations, const Evaluate& fitted, doub
                                                          observations.typical, double(observations.wl[i].z), max);
 }
 
-}  // namespace srbf
+}  // namespace

@@ -115,4 +115,4 @@ std::optional<DrawnPair> PairDraws::bound(std::size_t i) const {
     return pair ? std::optional(DrawnPair{*pair}) : std::nullopt;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -74,4 +74,4 @@ class PairDraws {
     std::vector<DirectionPair> grid_ = horizon_grid(), grazing_;
 };
 
-}  // namespace srbf
+}  // namespace

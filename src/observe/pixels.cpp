@@ -76,7 +76,7 @@ void delta_e(const float* reference, const Pixels::Colours& colours, std::size_t
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace srbf
+}  // namespace
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
@@ -125,5 +125,5 @@ double Pixels::delta_e(std::size_t block, const Colours& colours) const {
     return sum_of(distances);
 }
 
-}  // namespace srbf
+}  // namespace
 #endif

@@ -48,4 +48,4 @@ class Pixels {
     Aligned<float> reference_;
 };
 
-}  // namespace srbf
+}  // namespace

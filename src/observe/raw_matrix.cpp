@@ -70,4 +70,4 @@ Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options, co
     return matrix;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -36,4 +36,4 @@ struct RawMatrix {
 /// it is cancelled.
 Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options = {}, const ProgressToken& progress = {});
 
-}  // namespace srbf
+}  // namespace

@@ -63,7 +63,7 @@ void SurfaceData::add_pairs(const Observations& observations, std::size_t n) {
     append(f_, observations.f), append(weight_, observations.weight);
 }
 
-void SurfaceData::add_pairs(const Observations& observations, std::size_t n, const Evaluate& model, double share) {
+void SurfaceData::add_pairs(const Observations& observations, std::size_t n, const Evaluate& model, double fraction) {
     std::vector<Rgb> f;
     Outputs outputs;
     PixelSlopes slopes;
@@ -72,7 +72,7 @@ void SurfaceData::add_pairs(const Observations& observations, std::size_t n, con
     add_pairs(observations, n);
     compute_outputs(model, f, outputs);
     const double loss_of_pairs = pair_loss(outputs),
-                 scale = loss_of_pairs > 0 ? share * loss_of_pixels / loss_of_pairs : 0;
+                 scale = loss_of_pairs > 0 ? fraction * loss_of_pixels / loss_of_pairs : 0;
     for (double& weight : weight_) weight *= scale;
 }
 
@@ -136,7 +136,7 @@ void SurfaceData::add_pixel_rows(const Outputs& outputs, const std::vector<Outpu
                                  Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
     if (pixels_.count() == 0) return;
     Eigen::VectorXd row(g.size());
-    const double share = 1 / double(pixels_.count());
+    const double fraction = 1 / double(pixels_.count());
     for (std::size_t block = 0; block < pixels_.blocks(); ++block) {
         pixels_.errors(block, output_columns(outputs, block), slopes);
         for (std::size_t i = block * k_block; i < std::min((block + 1) * k_block, pixels_.count()); ++i)
@@ -151,7 +151,7 @@ void SurfaceData::add_pixel_rows(const Outputs& outputs, const std::vector<Outpu
                 add_jacobian_row(row, double(slopes.residual(component)[i % k_block]), H, g);
             }
     }
-    H *= share, g *= share;
+    H *= fraction, g *= fraction;
 }
 
-}  // namespace srbf
+}  // namespace

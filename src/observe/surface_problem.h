@@ -18,8 +18,8 @@ class SurfaceData {
 
     /// Uses every n-th view. If there are no views, uses the first n-th part of the pairs.
     SurfaceData(const Observations& observations, std::size_t n);
-    /// Adds the first n-th part of the pairs. For this model they are `share` times the loss of the pixels.
-    void add_pairs(const Observations& observations, std::size_t n, const Evaluate& model, double share);
+    /// Adds the first n-th part of the pairs. For this model they are `fraction` times the loss of the pixels.
+    void add_pairs(const Observations& observations, std::size_t n, const Evaluate& model, double fraction);
 
     /// `f` is a buffer for values of the model.
     void compute_outputs(const Evaluate& model, std::vector<Rgb>& f, Outputs& outputs) const;
@@ -126,4 +126,4 @@ void refine_candidates(std::vector<SurfaceCandidate<Model>>& candidates, const S
     std::ranges::stable_sort(candidates, {}, &SurfaceCandidate<Model>::loss);
 }
 
-}  // namespace srbf
+}  // namespace

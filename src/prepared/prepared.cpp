@@ -210,4 +210,4 @@ Rgb albedo(const PreparedBrdf& brdf, float cos_v) {
     return interpolated;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -17,14 +17,14 @@ PreparedBsdf prepare_parts(const Parts<B>& parts, const Beams& beams, const Prop
     for (std::size_t p = 0; p < k_parts; ++p) {
         const PartSource<B> used = part_source(parts, Part(p));
         if (!used.brdf) continue;
-        if (!used.exchanged && !parts[p]) {  // the other side's part, which is ready
+        if (!used.is_exchanged && !parts[p]) {  // the other side's part, which is ready
             if (const auto& ready = ready_parts[std::size_t(counterpart(Part(p)))]) {
                 ready_parts[p] = ready;
                 continue;
             }
         }
         B brdf = *used.brdf;
-        if (used.exchanged) exchange(brdf);
+        if (used.is_exchanged) exchange(brdf);
         ready_parts[p] = prepare(std::move(brdf), options);
     }
     return PreparedBsdf(std::move(ready_parts), complete_beams(parts, beams));
@@ -66,7 +66,7 @@ PreparedBsdf::Chances PreparedBsdf::chances(Vec3f wv) const {
     for (std::size_t k = 0; k < 2; ++k) {
         const auto part = std::size_t(chances.part[k]);
         if (parts_[part]) chances.part_chance[k] = float(luminance(albedo(*parts_[part], std::abs(wv.z))));
-        chances.beam[k] = share_at(beams_, chances.part[k], straight);
+        chances.beam[k] = fraction_at(beams_, chances.part[k], straight);
         chances.beam_chance[k] = float(luminance(chances.beam[k]));
         sum += chances.part_chance[k] + chances.beam_chance[k];
     }
@@ -141,8 +141,8 @@ PreparedBsdf prepare_bsdf(const Measured& measured, const ProposeOptions& option
     const auto* bsdf = std::get_if<BsdfTable>(&measured.table);
     if (!bsdf) return PreparedBsdf(prepare(measured, options));
     Parts<Measured> parts = bsdf->band().part;
-    if (measured.exchanged) exchange_parts(parts);
+    if (measured.is_exchanged) exchange_parts(parts);
     return prepare_parts(parts, bsdf->band().beam, options);
 }
 
-}  // namespace srbf
+}  // namespace

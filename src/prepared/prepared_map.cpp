@@ -83,4 +83,4 @@ PreparedBrdf brdf_at(const PreparedMap& map, Vec2f uv) {
                              std::move(proposal)});
 }
 
-}  // namespace srbf
+}  // namespace

@@ -85,4 +85,4 @@ Rgb value(const FacetMixture& mixture, Vec3f wl, Vec3f wv) {
     return f;
 }
 
-}  // namespace srbf
+}  // namespace

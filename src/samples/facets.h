@@ -19,4 +19,4 @@ FacetMixture fit_facets(const Observations& samples);
 /// f [1/sr]; 0 below the horizon.
 Rgb value(const FacetMixture& mixture, Vec3f wl, Vec3f wv);
 
-}  // namespace srbf
+}  // namespace

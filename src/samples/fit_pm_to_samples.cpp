@@ -18,4 +18,4 @@ Result<PmFit> fit_pm(const SampleObservations& observations, const PmFitOptions&
     return with_spectra(*std::move(fit), observations.samples, options);
 }
 
-}  // namespace srbf
+}  // namespace

@@ -11,4 +11,4 @@ namespace SRBF_NAMESPACE {
 Result<PmFit> fit_pm(const SampleObservations& observations, const PmFitOptions& options,
                      const ProgressToken& progress = {});
 
-}  // namespace srbf
+}  // namespace

@@ -133,4 +133,4 @@ ScatteredSamples without_fold(const ScatteredSamples& samples, std::span<const i
     return kept;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -16,4 +16,4 @@ inline constexpr double k_group_distance = 0.5 * k_degree;  ///< bound on âˆš(|Î
 /// The samples of all folds except `left_out`.
 ScatteredSamples without_fold(const ScatteredSamples& samples, std::span<const int> fold, int left_out);
 
-}  // namespace srbf
+}  // namespace

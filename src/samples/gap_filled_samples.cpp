@@ -136,4 +136,4 @@ Rgb value(const GapFilledSamples& samples, Vec3f wl, Vec3f wv) {
     return f;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -33,4 +33,4 @@ Result<GapFilledSamples> fill_gaps(const ScatteredSamples& samples, double max_t
 /// f = (f A) / A is no smaller than at that angle, so that f stays below the bound of a fit.
 Rgb value(const GapFilledSamples& samples, Vec3f wl, Vec3f wv);
 
-}  // namespace srbf
+}  // namespace

@@ -23,7 +23,7 @@ constexpr std::size_t k_grazing_bands = 8, k_pairs_of_band = 64, k_grazing_tried
 constexpr double k_grazing_cos = 0.4;
 /// Fraction of Σ w |f|² for all bands. With less, lobes follow the values less closely; with more, they look worse
 /// elsewhere.
-constexpr double k_grazing_share = 0.6;
+constexpr double k_grazing_fraction = 0.6;
 /// The gap-filled samples are constant at the level of the largest sample, except for rounding.
 constexpr double k_level = 0.999;
 /// Chooses pairs of one band of elevation: the first ones at which the gap-filled samples reach the largest sample,
@@ -43,7 +43,7 @@ Observations choose_largest(const Observations& candidates, double level) {
     return largest;
 }
 
-/// Adds pairs near the horizon where the gap-filled samples are largest, with the fraction `k_grazing_share` of Σ w
+/// Adds pairs near the horizon where the gap-filled samples are largest, with the fraction `k_grazing_fraction` of Σ w
 /// |f|². A table has few pairs there, so that lobes could exceed the values unnoticed.
 void add_grazing(Observations& observations, const Evaluate& filled, double level,
                  const ObserveSamplesOptions& options) {
@@ -64,7 +64,7 @@ void add_grazing(Observations& observations, const Evaluate& filled, double leve
     Observations grazing;  // f A rises towards the horizon: without equal weights the lowest band would dominate
     for (const Observations& band : candidates) grazing.append(choose_largest(band, level));
     grazing.normalise();
-    for (double& weight : grazing.weight) weight *= k_grazing_share;
+    for (double& weight : grazing.weight) weight *= k_grazing_fraction;
     observations.append(grazing);
 }
 
@@ -185,4 +185,4 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
     return observed;
 }
 
-}  // namespace srbf
+}  // namespace

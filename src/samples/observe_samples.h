@@ -47,4 +47,4 @@ struct SampleObservations {
 Result<SampleObservations> observe(const ScatteredSamples& samples, const ObserveSamplesOptions& options,
                                    const ProgressToken& progress = {});
 
-}  // namespace srbf
+}  // namespace

@@ -31,4 +31,4 @@ template <typename Real> Real albedo_coordinate(Real cosine) {
 }
 inline double albedo_cosine(int node) { return elevation_cosine(double(node) / (k_albedo_nodes - 1)); }
 
-}  // namespace srbf
+}  // namespace

@@ -176,4 +176,4 @@ MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options) {
     return proposal;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -62,4 +62,4 @@ Proposal propose(const Model& model, const ProposeOptions& options) {
     return propose(evaluator(model), adapted);
 }
 
-}  // namespace srbf
+}  // namespace

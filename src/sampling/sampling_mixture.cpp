@@ -25,7 +25,7 @@ struct MixtureView {
     HalfVectorShape shape;
 };
 
-}  // namespace srbf
+}  // namespace
 #endif
 
 HWY_BEFORE_NAMESPACE();
@@ -299,7 +299,7 @@ double compute_slopes(const SamplingPoints& points, const float* lobe_weight, do
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace srbf
+}  // namespace
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
@@ -361,5 +361,5 @@ float pdf(const MixtureProposal& proposal, Vec3f wl, Vec3f wv) {
     return HWY_DYNAMIC_DISPATCH(mixture_pdf)(proposal, lobe_table(), wl, wv);
 }
 
-}  // namespace srbf
+}  // namespace
 #endif

@@ -111,4 +111,4 @@ double moment_of(const SamplingPoints& points, std::span<const float> weight) {
     return set_slopes(points, weight, slope);
 }
 
-}  // namespace srbf
+}  // namespace

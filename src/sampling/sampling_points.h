@@ -64,4 +64,4 @@ std::vector<float> best_weights(const SamplingPoints& points, std::size_t lobes,
 /// The second moment of f cosθl / pdf for these weights, relative to the square of its mean.
 double moment_of(const SamplingPoints& points, std::span<const float> weight);
 
-}  // namespace srbf
+}  // namespace

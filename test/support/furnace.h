@@ -47,7 +47,7 @@ inline double expect_energy_conserved(const Model& model) {
         double expected = 0;
         const Vec3f from = to_float(spherical(theta * k_degree, 0.0));
         for (const Part part : {Part::reflection_front, Part::transmission_back})
-            expected += double(share_at(bsdf.beam, part, from).g) +
+            expected += double(fraction_at(bsdf.beam, part, from).g) +
                         double(albedo(part_of(values, part), theta * k_degree, k_pi / 2).g);
         EXPECT_WITHIN(reflected_by_sphere(prepared, theta * k_degree, 1), expected, 0.02) << theta;
     }

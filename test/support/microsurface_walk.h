@@ -65,11 +65,11 @@ class MicrosurfaceWalk {
             const Vec3d back = -1.0 * along, m = visible_normal(back, alpha_, random);
             const double cosine = std::max(dot(back, m), 1e-6), eta = side > 0 ? ior : 1 / ior,
                          squared = 1 - (1 - cosine * cosine) / (eta * eta);
-            // The share from inside is that from outside along the refracted direction.
-            const double share = squared <= 0 ? 1
-                                 : eta > 1    ? Kernel<double>::dielectric_reflectance(cosine, eta)
-                                              : Kernel<double>::dielectric_reflectance(std::sqrt(squared), 1 / eta);
-            const bool reflects = uniform(random) < share;
+            // The fraction from inside is that from outside along the refracted direction.
+            const double fraction = squared <= 0 ? 1
+                                    : eta > 1    ? Kernel<double>::dielectric_reflectance(cosine, eta)
+                                                 : Kernel<double>::dielectric_reflectance(std::sqrt(squared), 1 / eta);
+            const bool reflects = uniform(random) < fraction;
             const Vec3d next = normalize(reflects ? 2 * cosine * m - back
                                                   : (-1 / eta) * back + (cosine / eta - std::sqrt(squared)) * m);
             direction = {next.x, next.y, side * next.z};
@@ -145,7 +145,7 @@ class SimulatedCoat {
         const double sine = std::sqrt(squared_sine);
         return {sine * std::cos(phi), sine * std::sin(phi), std::sqrt(1 - squared_sine)};
     }
-    /// The share of light that `approximation_` reflects into a bin.
+    /// The fraction of light that `approximation_` reflects into a bin.
     Vec3d mean_of_approximation(Vec3d wv, int ring, int azimuth) const {
         constexpr int k_points = 8;
         std::vector<Vec3f> wl;

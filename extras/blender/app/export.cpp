@@ -21,8 +21,8 @@ namespace SRBF_NAMESPACE {
 namespace {
 
 /// Loads the subject of a material, which must have a reflection that closures can be fitted to.
-Result<Subject> load_reflection(const std::string& file, const std::string& to) {
-    auto subject = load_subject(file);
+Result<LoadedFile> load_reflection(const std::string& file, const std::string& to) {
+    auto subject = load_file(file);
     if (!subject) return subject;
     if (const auto valid = check_reflection(*subject, to); !valid) return valid.error();
     return subject;
@@ -41,7 +41,8 @@ std::vector<std::string> material_names(const std::vector<std::string>& files) {
 }
 
 /// Fits the subject and prints the visible error.
-Result<ClosureSum> fit_and_report(const Subject& subject, const std::string& name, const ClosureFitOptions& options) {
+Result<ClosureSum> fit_and_report(const LoadedFile& subject, const std::string& name,
+                                  const ClosureFitOptions& options) {
     const Evaluate f = evaluator(subject);
     const bool isotropic = is_isotropic(f, default_max_theta(k_default_objective));
     ProgressLine line;
@@ -58,7 +59,7 @@ Result<ClosureSum> fit_and_report(const Subject& subject, const std::string& nam
 }
 
 Result<std::vector<NamedClosures>> fitted_closures(const ExportCommand& command, const ClosureFitOptions& options) {
-    std::vector<Subject> subjects;
+    std::vector<LoadedFile> subjects;
     for (const std::string& file : command.files) {
         auto subject = load_reflection(file, command.to);
         if (!subject) return subject.error();
@@ -119,8 +120,8 @@ void add_blender_exports(const Subcommand& sub, const ExportCommand& command, Ex
                               .type_name("K")
                               .check(within(1, k_max_closures))
                               .capture_default_str();
-    exports.kinds.push_back({"blender", [terms](const ExportCommand& asked) { return write_script(asked, *terms); }});
-    exports.kinds.push_back({"osl", [terms](const ExportCommand& asked) { return write_shader(asked, *terms); }});
+    exports.kinds.push_back({"blender", [terms](const ExportCommand& given) { return write_script(given, *terms); }});
+    exports.kinds.push_back({"osl", [terms](const ExportCommand& given) { return write_shader(given, *terms); }});
     exports.about +=
         "\nblender: a script that makes materials of Blender's nodes for Cycles, from models or measurements, which\n"
         "MODEL may be here\n"
@@ -130,4 +131,4 @@ void add_blender_exports(const Subcommand& sub, const ExportCommand& command, Ex
                                }});
 }
 
-}  // namespace srbf
+}  // namespace

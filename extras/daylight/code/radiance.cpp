@@ -121,7 +121,7 @@ std::string cal_call(const std::string& name, const Parts<Model>& parts, Part pa
     // wl = (−ix, iy, |iz|), wv = (−ox, oy, |oz|) in the frame of the part
     const std::string light = "0-ix,iy,if(iz,iz,0-iz)", viewer = "0-ox,oy,if(oz,oz,0-oz)";
     return fmt::format("{}_{}_{}({},{})", name, k_part_names[std::size_t(stored)], k_cal_channels[c],
-                       used.exchanged ? viewer : light, used.exchanged ? light : viewer);
+                       used.is_exchanged ? viewer : light, used.is_exchanged ? light : viewer);
 }
 
 Result<std::string> cal_text(const std::string& name, const BsdfModel& model) {
@@ -209,4 +209,4 @@ const CodeExtra& code_of_daylight() {
     return extra;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -75,11 +75,11 @@ TEST(FitPatches, PatchesThatNoLobesFollowGiveAFit) {
     EXPECT_LE(sums.error_ratio(evaluator(any->model)), sums.error_ratio(evaluator(one->model)));
 }
 
-/// The share of the light from θ [degrees] that a part scatters or lets go on.
+/// The fraction of the light from θ [degrees] that a part scatters or lets go on.
 double total(const AnyBrdf& brdf, Part part, double theta) {
     const Evaluate f = part_of(std::visit([](const auto& content) { return evaluator(content); }, brdf), part);
     const Vec3f wl = to_float(spherical(theta * k_degree, 0.1));
-    double sum = double(share_at(beams_of(brdf), part, wl).g);
+    double sum = double(fraction_at(beams_of(brdf), part, wl).g);
     for (const Vec3f& wv : fibonacci_directions(500, k_pi / 2)) {
         Rgb value;
         f({&wl, 1}, {&wv, 1}, {&value, 1});
@@ -98,8 +98,8 @@ TEST(FitPatches, TotalsAreKept) {
             const auto matrix = [&](const char* direction, double first, double last, double f) {
                 return matrix_xml(direction, basis.name, basis.patches(), [=, &basis](std::size_t o, std::size_t i) {
                     const std::size_t ring = basis.ring_of(i);
-                    const double share = o == i ? beam * (ring == 4 ? last : first) : 0;
-                    return f / k_pi + share / basis.projected_solid_angle(ring);
+                    const double fraction = o == i ? beam * (ring == 4 ? last : first) : 0;
+                    return f / k_pi + fraction / basis.projected_solid_angle(ring);
                 });
             };
             const std::string text = bsdf_xml(

@@ -78,9 +78,9 @@ TEST(Klems, SeparatesTheBeam) {
     EXPECT_TRUE(band.beam[0].empty() && band.beam[1].empty());
     ASSERT_EQ(band.beam[2].theta.size(), 3u);
     for (std::size_t r = 0; r < 3; ++r)
-        EXPECT_WITHIN(band.beam[2].share[r].g, 0.08 * std::cos(double(band.beam[2].theta[r])), 1e-6);
-    EXPECT_WITHIN(share_at(band.beam[2], {0, 0, 1}).g, 0.08, 1e-6);
-    EXPECT_WITHIN(share_at(band.beam[2], {1, 0, 0}).g, 0, 1e-6);
+        EXPECT_WITHIN(band.beam[2].fraction[r].g, 0.08 * std::cos(double(band.beam[2].theta[r])), 1e-6);
+    EXPECT_WITHIN(fraction_at(band.beam[2], {0, 0, 1}).g, 0.08, 1e-6);
+    EXPECT_WITHIN(fraction_at(band.beam[2], {1, 0, 0}).g, 0, 1e-6);
 }
 
 /// The holes of a fabric. The beam is kept for each azimuth, and at the middles of patches it equals that of the
@@ -89,13 +89,13 @@ TEST(Klems, SeparatesTheBeam) {
 TEST(Klems, BeamsDependOnAzimuth) {
     const AngleBasis basis = small_basis();
     const std::size_t n = basis.patches();
-    const auto share = [&](std::size_t i, std::size_t shift) {
+    const auto fraction = [&](std::size_t i, std::size_t shift) {
         const std::size_t ring = basis.ring_of(i), k = (i - basis.first_of(ring) + shift) % 4;
         return ring == 0 ? 0.08 : (0.02 + 0.01 * double(k)) / double(ring);
     };
     const auto matrix = [&](const char* direction, std::size_t shift) {
         return matrix_xml(direction, "small", n, [&](std::size_t o, std::size_t i) {
-            return 0.001 + (o == i ? share(i, shift) / basis.projected_solid_angle(basis.ring_of(i)) : 0);
+            return 0.001 + (o == i ? fraction(i, shift) / basis.projected_solid_angle(basis.ring_of(i)) : 0);
         });
     };
     for (const std::size_t shift : {std::size_t(2), std::size_t(1)}) {
@@ -107,8 +107,8 @@ TEST(Klems, BeamsDependOnAzimuth) {
         for (std::size_t i = 0; i < n; ++i) {
             const Vec3d p = basis.middle_of(i);
             const Vec3f wl = to_float({p.x, -p.y, p.z});
-            EXPECT_WITHIN(share_at(beams, Part::transmission_front, wl).g, share(i, 0), 1e-6);
-            EXPECT_WITHIN(share_at(beams, Part::transmission_back, wl).g, share(i, shift), 1e-6);
+            EXPECT_WITHIN(fraction_at(beams, Part::transmission_front, wl).g, fraction(i, 0), 1e-6);
+            EXPECT_WITHIN(fraction_at(beams, Part::transmission_back, wl).g, fraction(i, shift), 1e-6);
         }
         // In a matrix that is written, each patch has its beam again, whether from a model or not.
         BsdfTable again = std::get<BsdfTable>(measured->table);
@@ -290,7 +290,7 @@ TEST(Klems, SumsOfARollerShadeAgreeWithIndependentOnes) {
         }
     }
     EXPECT_TRUE(band.beam[0].empty() && band.beam[1].empty());
-    EXPECT_WITHIN(share_at(band.beam[2], {0, 0, 1}).g, 0.0489, 2e-4);  // sold as 5 % open
+    EXPECT_WITHIN(fraction_at(band.beam[2], {0, 0, 1}).g, 0.0489, 2e-4);  // sold as 5 % open
 }
 
 TEST(Klems, KeepsTheHighlight) {

@@ -217,16 +217,16 @@ TreeTable tree_about_mirror(const std::function<double(int i, int j)>& f) {
     return tree;
 }
 
-// The leaves in the mirror direction hold a share of the light, which is recovered. The level around them remains.
+// The leaves in the mirror direction hold a fraction of the light, which is recovered. The level around them remains.
 TEST(TensorTree, ItsBeamIsSeparated) {
-    constexpr double share = 0.05, level = 0.01, leaf = k_pi / (64 * 64);
+    constexpr double fraction = 0.05, level = 0.01, leaf = k_pi / (64 * 64);
     const TreeTable tree =
-        tree_about_mirror([](int i, int j) { return level + (i == 0 && j == 0 ? share / (2 * leaf) : 0); });
+        tree_about_mirror([](int i, int j) { return level + (i == 0 && j == 0 ? fraction / (2 * leaf) : 0); });
     const auto separated = as_evaluated_table(tree).functions->separated_beam();
     ASSERT_TRUE(separated);
     for (const double degrees : {0.0, 10.0, 25.0, 40.0, 60.0}) {
         const Vec3f wl = to_float(spherical(degrees * k_degree, 0.3)), wv = mirror(wl);
-        EXPECT_WITHIN_RELATIVE(share_at(separated->beam, wl).g, share, 0.05) << degrees;
+        EXPECT_WITHIN_RELATIVE(fraction_at(separated->beam, wl).g, fraction, 0.05) << degrees;
         Rgb remaining;
         separated->rest(std::span(&wl, 1), std::span(&wv, 1), std::span(&remaining, 1));
         EXPECT_WITHIN(remaining.g, level, 1e-6) << degrees;

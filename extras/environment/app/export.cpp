@@ -43,4 +43,4 @@ void add_environment_exports(const Subcommand&, const ExportCommand&, Exports& e
         "map of 16-bit floats";
 }
 
-}  // namespace srbf
+}  // namespace

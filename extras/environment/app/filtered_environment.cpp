@@ -230,4 +230,4 @@ CubeFile to_dds(const FilteredEnvironment& environment) {
     return file;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -47,4 +47,4 @@ struct CubeFile {
 };
 CubeFile to_dds(const FilteredEnvironment& environment);
 
-}  // namespace srbf
+}  // namespace

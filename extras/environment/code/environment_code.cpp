@@ -247,4 +247,4 @@ const CodeExtra& code_of_environment() {
     return extra;
 }
 
-}  // namespace srbf
+}  // namespace

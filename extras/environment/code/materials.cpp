@@ -31,4 +31,4 @@ Result<Done> check_materials(std::span<const NamedModel> models) {
     return Done{};
 }
 
-}  // namespace srbf
+}  // namespace

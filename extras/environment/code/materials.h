@@ -13,4 +13,4 @@ void replace_all(std::string& text, std::string_view place, std::string_view rep
 /// Returns an error for a view-by-view model and for a BSDF, which are no material by themselves.
 Result<Done> check_materials(std::span<const NamedModel> models);
 
-}  // namespace srbf
+}  // namespace

@@ -144,4 +144,4 @@ Result<std::string> three_map_module(const TexelMap& map, const std::string& nam
                      classes + class_text(name, "MeasuredMap"));
 }
 
-}  // namespace srbf
+}  // namespace

@@ -20,4 +20,4 @@ Result<std::string> unity_shader(std::span<const NamedModel> models, int threads
     return text;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -177,14 +177,15 @@ TEST(ExtendedLight, AnisotropicIsTheMeanOverAzimuths) {
     for (const float cosine : {0.3f, 0.9f}) {
         const Vec3f wv{std::sqrt(1 - cosine * cosine), 0, cosine};
         constexpr int k_azimuths = 12;
-        double lit = 0, whole = 0, first = 0;  // by half a sphere, by all of it, the share at azimuth 0
+        double lit = 0, whole = 0, first = 0;  // by half a sphere, by all of it, the fraction at azimuth 0
         for (int i = 0; i < k_azimuths; ++i) {
             const double s = std::sin(2 * k_pi * i / k_azimuths), c = std::cos(2 * k_pi * i / k_azimuths);
             const auto turned = [&](const Vec3d& w) { return Vec3d{c * w.x - s * w.y, s * w.x + c * w.y, w.z}; };
-            const auto reflected = [&](const auto& share) {
+            const auto reflected = [&](const auto& fraction) {
                 const Vec3f v = to_float(turned(to_double(wv)));
                 return hemisphere_integral(
-                    [&](const Vec3d& w) { return share(w) * double(value(brdf, to_float(w), v).g) * w.z; }, 100, 200);
+                    [&](const Vec3d& w) { return fraction(w) * double(value(brdf, to_float(w), v).g) * w.z; }, 100,
+                    200);
             };
             const double half = reflected(
                 [&](const Vec3d& w) { return 0.5 * ((dot(w, turned(away)) > 0) + (dot(w, turned(mirrored)) > 0)); });

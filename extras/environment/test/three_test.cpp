@@ -192,7 +192,7 @@ class FilteredMap {
     }
 
   private:
-    static void add(const MapLevel& level, double share, double u, double v, bool repeats, PmModel& model) {
+    static void add(const MapLevel& level, double fraction, double u, double v, bool repeats, PmModel& model) {
         const auto texel = [&](double i, std::size_t n) {
             const auto count = std::int64_t(n), at = std::int64_t(i);
             return std::size_t(repeats ? (at % count + count) % count : std::clamp<std::int64_t>(at, 0, count - 1));
@@ -201,7 +201,7 @@ class FilteredMap {
         const double x = u * double(level.width) - 0.5, y = v * double(level.height) - 0.5;
         for (const double column : {std::floor(x), std::floor(x) + 1})
             for (const double row : {std::floor(y), std::floor(y) + 1}) {
-                const auto weight = float(share * (1 - std::abs(x - column)) * (1 - std::abs(y - row)));
+                const auto weight = float(fraction * (1 - std::abs(x - column)) * (1 - std::abs(y - row)));
                 const std::size_t t = texel(row, level.height) * level.width + texel(column, level.width);
                 for (std::size_t j = 0; j < J; ++j)
                     for (int c = 0; c < 3; ++c) model.coefficient[j][c] += weight * level.coefficient[t * J + j][c];

@@ -154,16 +154,16 @@ Result<Done> paint(const MapCommand& fit) {
     const double seconds = watch.seconds();
     MapInParts map{lobes_of(*basis, std::size_t(shape[1])), std::size_t(shape[0] * shape[1]), texels_of_part(K),
                    [&](std::size_t first, std::size_t count) -> Result<TexelCoefficients> {
-                       std::vector<float> shares(count * K);
-                       if (const auto done = masks->read(first * K, shares); !done) return done.error();
-                       for (std::size_t i = 0; i < shares.size(); ++i)
-                           if (!(shares[i] >= 0 && std::isfinite(shares[i])))
+                       std::vector<float> fractions(count * K);
+                       if (const auto done = masks->read(first * K, fractions); !done) return done.error();
+                       for (std::size_t i = 0; i < fractions.size(); ++i)
+                           if (!(fractions[i] >= 0 && std::isfinite(fractions[i])))
                                return Error{fit.masks,
                                             {},
                                             fmt::format("share of texel {}", first + i / K),
                                             "a number of at least 0",
-                                            fmt::format("{}", shares[i])};
-                       return painted_texels(*basis, shares);
+                                            fmt::format("{}", fractions[i])};
+                       return painted_texels(*basis, fractions);
                    }};
     const auto total = write_in_parts(fit.output, map);
     if (!total) return total.error();
@@ -220,4 +220,4 @@ void add_map(CommandLine& app, int& status) {
         {{{width}, "only with --pairs", [fit] { return fit->masks.empty(); }}});
 }
 
-}  // namespace srbf
+}  // namespace

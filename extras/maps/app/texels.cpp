@@ -120,4 +120,4 @@ Result<std::vector<Rgb>> Texels::spanning(const SharedPairs& pairs, std::size_t 
     return spanning_texels(candidates, pairs_, max);
 }
 
-}  // namespace srbf
+}  // namespace

@@ -46,4 +46,4 @@ class Texels {
     mutable std::string note_;
 };
 
-}  // namespace srbf
+}  // namespace

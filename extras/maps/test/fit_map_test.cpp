@@ -219,8 +219,8 @@ TEST(FitMap, SharedLobesAreFound) {
 /// A texel of one material is this material, and one of several their mean.
 TEST(FitMap, PaintedTexelsAreMeansOfMaterials) {
     const TexelMap map = some_map();
-    const float shares[] = {1, 0, 0.25f, 0.75f};
-    const TexelCoefficients painted = painted_texels(map, shares);
+    const float fractions[] = {1, 0, 0.25f, 0.75f};
+    const TexelCoefficients painted = painted_texels(map, fractions);
     EXPECT_EQ(painted.error, (std::vector<float>{1.5f, 0.75f}));
     for (std::size_t j = 0; j < 3; ++j) {
         EXPECT_EQ(painted.coefficient[j], map.coefficient[j]);

@@ -93,8 +93,8 @@ TEST_F(MapFiles, NumbersForNoValueAreAsGoodAsNan) {
 TEST_F(MapFiles, MasksPaintMaterials) {
     const std::string paper = (bundled_data() / "paper_white_rgb.bsdf").string(),
                       film = (bundled_data() / "cc_ibiza_sunset_rgb.bsdf").string();
-    std::vector<float> shares{1, 0, 0, 1, 0.5f, 0.5f, 0, 0};
-    write_npy("masks.npy", "(1, 4, 2)", shares);
+    std::vector<float> fractions{1, 0, 0, 1, 0.5f, 0.5f, 0, 0};
+    write_npy("masks.npy", "(1, 4, 2)", fractions);
     const ProgramRun done = map({paper, film, "--masks", "masks.npy"});
     ASSERT_EQ(done.status, 0) << done.err;
     EXPECT_CONTAINS(done.out, "4 × 1 texels of 2 materials");
@@ -107,7 +107,7 @@ TEST_F(MapFiles, MasksPaintMaterials) {
         }
     EXPECT_EQ(map({paper, "--masks", "masks.npy"}).status, 1);
     EXPECT_EQ(map({paper, "pairs.csv", "--masks", "masks.npy"}).status, 1);
-    shares[3] = -1, write_npy("masks.npy", "(1, 4, 2)", shares);
+    fractions[3] = -1, write_npy("masks.npy", "(1, 4, 2)", fractions);
     const ProgramRun refused = map({paper, film, "--masks", "masks.npy"});
     EXPECT_EQ(refused.status, 1);
     EXPECT_CONTAINS(refused.err, "share of texel 1: expected a number of at least 0, found -1");

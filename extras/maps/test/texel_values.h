@@ -39,12 +39,13 @@ inline std::vector<Rgb> blends(const SharedPairs& pairs, std::size_t count) {
     std::mt19937_64 random(2);
     std::vector<Rgb> f;
     for (std::size_t t = 0; t < count; ++t) {
-        const double share = double(t) / double(std::max<std::size_t>(count - 1, 1));
+        const double fraction = double(t) / double(std::max<std::size_t>(count - 1, 1));
         for (std::size_t i = 0; i < pairs.wl.size(); ++i) {
             const Rgb x = value(*a, pairs.wl[i], pairs.wv[i]), y = value(*b, pairs.wl[i], pairs.wv[i]);
             Rgb blend;
             for (int c = 0; c < 3; ++c)
-                blend[c] = float(((1 - share) * double(x[c]) + share * double(y[c])) * (0.96 + 0.08 * uniform(random)));
+                blend[c] =
+                    float(((1 - fraction) * double(x[c]) + fraction * double(y[c])) * (0.96 + 0.08 * uniform(random)));
             f.push_back(blend);
         }
     }

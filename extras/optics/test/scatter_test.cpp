@@ -240,18 +240,18 @@ TEST(Speos, TransmissionIsAPart) {
     }
 }
 
-/// A Lambertian BSDF by wavelength, with `share` and `percent` for each. Transmission is half of reflection.
+/// A Lambertian BSDF by wavelength, with `fraction` and `percent` for each. Transmission is half of reflection.
 std::string spectral_speos(const std::vector<std::array<double, 2>>& share_and_percent, bool passes) {
     std::string text = fmt::format("OPTIS - brdf surface file v8.0\n0\nby hand\n5\n-----\n1\t{:d}\n1\n2\t{}\n0 60\n",
                                    passes, share_and_percent.size());
     for (std::size_t k = 0; k < share_and_percent.size(); ++k) text += fmt::format("{} ", 450 + 200 * k);
     for (int side = 0; side < 1 + int(passes); ++side)
         for (int incidence = 0; incidence < 2; ++incidence)
-            for (const auto& [share, percent] : share_and_percent) {
+            for (const auto& [fraction, percent] : share_and_percent) {
                 const double part = side == 0 ? 1 : 0.5;
                 text += fmt::format("\n{}\n3\t2\n\t0\t360", part * percent);
                 for (int row = 0; row < 3; ++row)
-                    text += fmt::format("\n{}\t{}\t{}", 90 * side + 45 * row, part * share, part * share);
+                    text += fmt::format("\n{}\t{}\t{}", 90 * side + 45 * row, part * fraction, part * fraction);
             }
     return text + "\n";
 }

@@ -28,8 +28,8 @@ Mesh rotate_upright(Mesh mesh) {
     return mesh;
 }
 
-Result<Subject> load_reference(const std::string& file) {
-    auto subject = load_subject(file);
+Result<LoadedFile> load_reference(const std::string& file) {
+    auto subject = load_file(file);
     if (!subject) return subject;
     if (subject->is_model()) return Error{file, {}, "reference", "a measurement", "a model"};
     if (is_two_sided(subject->content))
@@ -42,7 +42,7 @@ Result<Done> write_page(const ExportCommand& command, const PageOptions& options
     const auto models = load_models(command.files);
     if (!models) return models.error();
     if (!options.mesh.empty()) inputs.push_back(options.mesh);
-    std::optional<Subject> measured;
+    std::optional<LoadedFile> measured;
     if (!options.reference.empty()) {
         inputs.push_back(options.reference);
         auto reference = load_reference(options.reference);
@@ -100,4 +100,4 @@ void add_render_exports(const Subcommand& sub, const ExportCommand& command, Exp
     exports.allowed.push_back({{up}, "only with --mesh", [options] { return !options->mesh.empty(); }});
 }
 
-}  // namespace srbf
+}  // namespace

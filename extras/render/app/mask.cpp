@@ -46,4 +46,4 @@ Result<Image> load_mask(const std::string& path) {
     return mask;
 }
 
-}  // namespace srbf
+}  // namespace

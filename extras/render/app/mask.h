@@ -9,4 +9,4 @@ namespace SRBF_NAMESPACE {
 /// clamped to this range in .exr. Returns an error for any other file, and for more than 8192 pixels on a side.
 Result<Image> load_mask(const std::string& path);
 
-}  // namespace srbf
+}  // namespace

@@ -9,4 +9,4 @@ std::vector<Option> add_mesh_options(const Subcommand& sub, std::string& mesh, s
 /// The option for the upward axis alone.
 Option add_up_option(const Subcommand& sub, std::string& up, const std::string& about);
 
-}  // namespace srbf
+}  // namespace

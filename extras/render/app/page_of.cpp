@@ -15,7 +15,7 @@ namespace SRBF_NAMESPACE {
 
 namespace {
 
-std::string kind_of(const Subject& subject) {
+std::string kind_of(const LoadedFile& subject) {
     if (const auto* measured = std::get_if<Measured>(&subject.content))
         return fmt::format("{}, {} bytes", measured->format, grouped(measured->bytes));
     const Model& model = std::get<Model>(subject.content);
@@ -23,16 +23,16 @@ std::string kind_of(const Subject& subject) {
 }
 
 /// The θmax [degrees] that all models have in common: their minimum.
-double common_theta(const std::vector<Subject>& models) {
+double common_theta(const std::vector<LoadedFile>& models) {
     double min = 90;
-    for (const Subject& model : models)
+    for (const LoadedFile& model : models)
         if (const double fitted = fitted_theta(model); fitted > 0) min = std::min(min, fitted);
     return min < 90 ? min : 80;
 }
 
 /// The material of the measurement, with its picture unless it is anisotropic. The page's note describes the loss
 /// of its table.
-PageMaterial measured_material(Page& page, const Subject& reference, const MeasureOptions& options) {
+PageMaterial measured_material(Page& page, const LoadedFile& reference, const MeasureOptions& options) {
     PageMaterial entry = shown(reference);
     entry.name = "Measured";
     if (!is_isotropic(std::get<Measured>(reference.content))) {
@@ -70,11 +70,11 @@ PageMaterial measured_material(Page& page, const Subject& reference, const Measu
 }
 
 /// Adds the errors of the models against the measurement, one row for each measure.
-void add_errors(Page& page, const Subject& reference, const std::vector<Subject>& models,
+void add_errors(Page& page, const LoadedFile& reference, const std::vector<LoadedFile>& models,
                 const MeasureOptions& options) {
     const Evaluate measured = evaluator(reference);
     std::vector<Evaluate> others;
-    for (const Subject& model : models) others.push_back(evaluator(model));
+    for (const LoadedFile& model : models) others.push_back(evaluator(model));
     const std::vector<Comparison> errors = compare(measured, others, options, {});
     const auto add_row = [&](const char* name, const char* meaning, auto&& cell_text) {
         Page::Row& row = page.table.emplace_back(Page::Row{name, meaning, {"–"}});
@@ -109,7 +109,7 @@ void add_errors(Page& page, const Subject& reference, const std::vector<Subject>
 }
 
 /// Adds the measurement as the first material, and the errors of the models.
-void add_reference(Page& page, const Subject& reference, const std::vector<Subject>& models) {
+void add_reference(Page& page, const LoadedFile& reference, const std::vector<LoadedFile>& models) {
     const MeasureOptions options{common_theta(models) * k_degree, 0};
     page.title = stem_of(reference.path);
     page.materials.insert(page.materials.begin(), measured_material(page, reference, options));
@@ -119,7 +119,7 @@ void add_reference(Page& page, const Subject& reference, const std::vector<Subje
 
 }  // namespace
 
-PageMaterial shown(const Subject& subject) {
+PageMaterial shown(const LoadedFile& subject) {
     PageMaterial entry{
         stem_of(subject.path), kind_of(subject), {}, evaluator(subject), is_two_sided(subject.content), {}};
     if (const auto* model = std::get_if<Model>(&subject.content)) {
@@ -131,12 +131,12 @@ PageMaterial shown(const Subject& subject) {
     return entry;
 }
 
-Page page_of(const std::vector<Subject>& models, const Subject* measured) {
+Page page_of(const std::vector<LoadedFile>& models, const LoadedFile* measured) {
     Page page;
     page.title = stem_of(models[0].path);
     page.generator = "Written by srbf " SRBF_VERSION ". This page is one file and asks nothing of the network.";
     page.table.push_back({"bytes", "", {}});
-    for (const Subject& model : models) {
+    for (const LoadedFile& model : models) {
         page.materials.push_back(shown(model));
         page.table[0].cells.push_back(grouped(payload_bytes(std::get<Model>(model.content))));
     }
@@ -144,4 +144,4 @@ Page page_of(const std::vector<Subject>& models, const Subject* measured) {
     return page;
 }
 
-}  // namespace srbf
+}  // namespace

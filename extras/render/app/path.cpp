@@ -22,13 +22,13 @@ AreaLight softbox(const Scene& scene) {
     return {to_float(corner), to_float(0.8 * size * x), to_float(0.8 * size * y), {12, 12, 12}};
 }
 
-PreparedBsdf prepare_by_cosine(const Subject& subject) {
+PreparedBsdf prepare_by_cosine(const LoadedFile& subject) {
     return std::visit([](const auto& content) { return prepare(content, CosineProposal{}); }, subject.content);
 }
 
 /// Returns an error if a map or a mask cannot be drawn with these options.
 Result<Done> check_pictured(const Pictured& pictured, const Mesh& mesh, const PathCommand& command) {
-    if (std::holds_alternative<const Subject*>(pictured)) return Done{};
+    if (std::holds_alternative<const LoadedFile*>(pictured)) return Done{};
     const char* const kind = std::holds_alternative<const TexelMap*>(pictured) ? "a map" : "a mask";
     const auto refuse = [&](const char* what, const char* expected, const char* found) {
         return Error{"render", {}, fmt::format("{} of {}", what, kind), expected, found, ErrorCode::argument};
@@ -96,7 +96,7 @@ Result<std::optional<Environment>> load_light(const std::string& name) {
     return std::optional(*std::move(loaded));
 }
 
-PreparedBsdf prepare_subject(const Subject& subject, int threads) {
+PreparedBsdf prepare_subject(const LoadedFile& subject, int threads) {
     const ProposeOptions options{.azimuths = azimuths_for(is_isotropic(subject)), .threads = threads};
     return std::visit([&](const auto& content) { return prepare_bsdf(content, options); }, subject.content);
 }
@@ -187,11 +187,12 @@ Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::sp
 
     std::vector<PathPicture> pictures;
     for (const Pictured& pictured : subjects) {
-        if (const auto* subject = std::get_if<const Subject*>(&pictured)) {
+        if (const auto* subject = std::get_if<const LoadedFile*>(&pictured)) {
             paths.materials = {draw == "cosine" ? prepare_by_cosine(**subject) : prepare_subject(**subject, threads)};
         } else if (const auto* masked = std::get_if<const MaskedSubjects*>(&pictured)) {
             MaskedMaterials mixed{{}, (*masked)->mask};
-            for (const Subject* each : (*masked)->subjects) mixed.materials.push_back(prepare_subject(*each, threads));
+            for (const LoadedFile* each : (*masked)->subjects)
+                mixed.materials.push_back(prepare_subject(*each, threads));
             paths.materials = {std::move(mixed)};
         } else {
             paths.materials = {prepare_subject(*std::get<const TexelMap*>(pictured), threads)};
@@ -213,4 +214,4 @@ Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::sp
     return pictures;
 }
 
-}  // namespace srbf
+}  // namespace

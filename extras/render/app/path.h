@@ -10,11 +10,11 @@ namespace SRBF_NAMESPACE {
 
 /// Materials that a mask mixes, see `MaskedMaterials`.
 struct MaskedSubjects {
-    std::vector<const Subject*> subjects;
+    std::vector<const LoadedFile*> subjects;
     Image mask;
 };
 /// The subject of a picture: a measurement or model, a map of texels, or a mask's materials.
-using Pictured = std::variant<const Subject*, const TexelMap*, const MaskedSubjects*>;
+using Pictured = std::variant<const LoadedFile*, const TexelMap*, const MaskedSubjects*>;
 
 struct PathCommand {
     /// Texts of options, empty if not given. The default environment is the renderer's; by default there are three
@@ -42,7 +42,7 @@ inline constexpr int k_samples = 64;
 Result<std::optional<Environment>> load_light(const std::string& name);
 
 /// Prepares the subject, with importance sampling by its own proposal.
-PreparedBsdf prepare_subject(const Subject& subject, int threads);
+PreparedBsdf prepare_subject(const LoadedFile& subject, int threads);
 PreparedMap prepare_subject(const TexelMap& map, int threads);
 
-}  // namespace srbf
+}  // namespace

@@ -65,7 +65,7 @@ Result<RenderedPictures> render_raster([[maybe_unused]] const Scene& scene,
     if (const auto can_draw = check_drawing(); !can_draw) return can_draw.error();
     std::vector<Material> materials;
     for (const Pictured& item : pictured) {
-        const auto* const* subject = std::get_if<const Subject*>(&item);
+        const auto* const* subject = std::get_if<const LoadedFile*>(&item);
         if (!subject) return argument_error(options.files[0], "input of raster", "measurements and models", "a map");
         auto material = material_of((*subject)->content, (*subject)->path);
         if (!material) return material.error();
@@ -164,7 +164,7 @@ Result<Done> write_pictures(const RenderedPictures& pictures, const std::optiona
 Result<MaskedSubjects> masked_by(const std::string& mask, std::span<const Pictured> materials) {
     MaskedSubjects masked;
     for (const Pictured& material : materials) {
-        const auto* subject = std::get_if<const Subject*>(&material);
+        const auto* subject = std::get_if<const LoadedFile*>(&material);
         if (!subject) return Error{mask, {}, "materials", "measurements and models", "a map", ErrorCode::argument};
         masked.subjects.push_back(*subject);
     }
@@ -178,7 +178,7 @@ Result<MaskedSubjects> masked_by(const std::string& mask, std::span<const Pictur
 
 int RenderCommand::run() const {
     std::vector<std::string> inputs = files, captions;
-    std::vector<SubjectOrMap> subjects;
+    std::vector<FileOrMap> subjects;
     std::optional<Image> reference;  // otherwise the reference is one more subject
     if (!compare.empty()) {
         inputs.push_back(compare);
@@ -188,7 +188,7 @@ int RenderCommand::run() const {
     }
     for (const std::string& file : inputs) {
         if (reference && subjects.size() == files.size()) break;
-        auto loaded = load_subject_or_map(file);
+        auto loaded = load_file_or_map(file);
         if (!loaded) return complain(loaded.error());
         subjects.push_back(*std::move(loaded));
     }
@@ -204,7 +204,7 @@ int RenderCommand::run() const {
     const Viewpoint viewpoint{.z_up = up == "z"};
     const Scene scene = scene_of(*std::move(loaded), viewpoint, double(width) / height);
     std::vector<Pictured> pictured;
-    for (const SubjectOrMap& subject : subjects)
+    for (const FileOrMap& subject : subjects)
         std::visit([&](const auto& content) { pictured.emplace_back(&content); }, subject);
     MaskedSubjects masked;
     if (!mask.empty()) {
@@ -301,4 +301,4 @@ void add_render(CommandLine& app, int& status) {
     sub.callback([command, &status] { status = command->run(); }, std::move(allowed));
 }
 
-}  // namespace srbf
+}  // namespace

@@ -397,7 +397,7 @@ TEST(Rasterize, GivesRadianceAndCoverage) {
     if (!drawn) GTEST_SKIP() << message(drawn.error());
     ASSERT_EQ(drawn->size(), 2u);
     double covered = 0;
-    for (const float share : (*drawn)[0].coverage) covered += double(share);
+    for (const float fraction : (*drawn)[0].coverage) covered += double(fraction);
     // The sphere fills the picture but for the margin, seen in perspective as a disc.
     EXPECT_WITHIN_RELATIVE(covered, k_pi * std::pow((1 - k_margin) * k_height / 2, 2), 0.02);
     EXPECT_EQ((*drawn)[0].coverage, (*drawn)[1].coverage);

@@ -212,4 +212,4 @@ Result<ScatteredSamples> read_alta(std::span<const std::byte> bytes, const std::
 
 const Format k_alta_format{.name = "ALTA", .is_text = true, .recognise = in_text<is_alta>, .read = read_by<read_alta>};
 
-}  // namespace srbf
+}  // namespace

@@ -141,4 +141,4 @@ Result<ScatteredSamples> read_astm(std::span<const std::byte> bytes, const std::
 const Format k_astm_format{
     .name = "ASTM E1392", .is_text = true, .recognise = in_text<is_astm>, .read = read_by<read_astm>};
 
-}  // namespace srbf
+}  // namespace

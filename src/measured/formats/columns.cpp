@@ -424,4 +424,4 @@ Result<Columns> assign_columns(std::span<const std::string_view> names, std::spa
     return std::move(assignment.columns);
 }
 
-}  // namespace srbf
+}  // namespace

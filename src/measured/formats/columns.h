@@ -51,4 +51,4 @@ Result<Columns> assign_columns(std::span<const std::string_view> names, std::spa
                                std::span<const std::string_view> header, const std::string& file_name,
                                std::uint64_t line);
 
-}  // namespace srbf
+}  // namespace

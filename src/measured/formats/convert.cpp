@@ -37,8 +37,8 @@ constexpr std::size_t k_profile = 256;            // nodes of D and σ
 constexpr std::uint32_t k_normals = 128;          // nodes of the visible normals, as in the database
 constexpr int k_azimuths = 64;                    // number of azimuths φ_d
 constexpr double k_min_determining_cosine = 0.1;  // directions with smaller cosines do not determine D
-// The uniform share of D. Without it a narrow highlight leaves only a few nodes to the directions around it, which are
-// dark, but fill most of a picture.
+// The uniform fraction of D. Without it a narrow highlight leaves only a few nodes to the directions around it, which
+// are dark, but fill most of a picture.
 constexpr double k_uniform = 0.1;
 
 /// D at the nodes u = i/(n−1), not normalised: the largest f (cosθl cosθv)^¾ of the directions with this half vector. D
@@ -462,4 +462,4 @@ Result<std::vector<std::byte>> write_as_csv(const TableSource& source, const Tab
     return bytes_of(write_csv(samples, options.progress));
 }
 
-}  // namespace srbf
+}  // namespace

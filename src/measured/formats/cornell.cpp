@@ -86,4 +86,4 @@ Result<ScatteredSamples> read_cornell(std::span<const std::byte> bytes, const st
 const Format k_cornell_format{
     .name = "Cornell", .is_text = true, .recognise = in_text<is_cornell>, .read = read_by<read_cornell>};
 
-}  // namespace srbf
+}  // namespace

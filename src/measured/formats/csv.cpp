@@ -438,4 +438,4 @@ const Format k_csv_format{.name = "CSV",
                           .anisotropic = true,
                           .write = write_as_csv};
 
-}  // namespace srbf
+}  // namespace

@@ -49,4 +49,4 @@ Result<std::vector<std::byte>> write_as_rgl(const TableSource& source, const Tab
 Result<std::vector<std::byte>> write_as_mbsdf(const TableSource& source, const TableOptions& options);
 Result<std::vector<std::byte>> write_as_csv(const TableSource& source, const TableOptions& options);
 
-}  // namespace srbf
+}  // namespace

@@ -202,4 +202,4 @@ Result<Measured> load_measured(const std::string& path, const ReadOptions& optio
     });
 }
 
-}  // namespace srbf
+}  // namespace

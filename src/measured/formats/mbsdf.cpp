@@ -208,4 +208,4 @@ const Format k_mbsdf_format{.name = "MBSDF",
                             .used_by = "MDL",
                             .write = write_as_mbsdf};
 
-}  // namespace srbf
+}  // namespace

@@ -98,4 +98,4 @@ const Format k_merl_format{.name = "MERL",
                            .one_sided = true,
                            .write = write_as_merl};
 
-}  // namespace srbf
+}  // namespace

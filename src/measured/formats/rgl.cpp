@@ -331,4 +331,4 @@ const Format k_rgl_format{.name = "RGL",
                           .one_sided = true,
                           .write = write_as_rgl};
 
-}  // namespace srbf
+}  // namespace

@@ -131,4 +131,4 @@ inline Result<TensorFile> parse_tensor_file(std::span<const std::byte> bytes, co
     return file;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -95,4 +95,4 @@ const Format k_utia_format{.name = "UTIA",
                            .read = read_by<read_utia>,
                            .size = [](std::span<const std::byte>) -> std::uint64_t { return k_bytes; }};
 
-}  // namespace srbf
+}  // namespace

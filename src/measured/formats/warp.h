@@ -154,4 +154,4 @@ inline Warped warp(const RglTable::VisibleNormals& visible, std::size_t slice, f
             mix(density(column), density(column + 1), x) * float(width - 1) * float(height - 1)};
 }
 
-}  // namespace srbf
+}  // namespace

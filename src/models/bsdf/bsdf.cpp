@@ -45,18 +45,18 @@ void exchange(BsdfModel& model) { exchange_parts(model.part); }
 
 namespace {
 std::string prefix_of(Part part) { return fmt::format("{}.", name(part)); }
-/// The share τ on a ring whose nodes begin at index `first`, for an azimuth in turns, 0..1.
-Rgb share_on_ring(const Beam& beam, std::size_t ring, std::size_t first, float turns) {
+/// The fraction τ on a ring whose nodes begin at index `first`, for an azimuth in turns, 0..1.
+Rgb fraction_on_ring(const Beam& beam, std::size_t ring, std::size_t first, float turns) {
     const auto n = std::size_t(beam.nodes(ring));
     const float position = turns * float(n);
     const std::size_t k = std::min(std::size_t(position), n - 1);
-    return mixed(beam.share[first + k], beam.share[first + (k + 1) % n], position - float(k));
+    return mixed(beam.fraction[first + k], beam.fraction[first + (k + 1) % n], position - float(k));
 }
 
 // The names of a beam's tensors.
 std::string angle_name(std::string_view beam) { return fmt::format("beam.{}.angle", beam); }
 std::string azimuths_name(std::string_view beam) { return fmt::format("beam.{}.azimuths", beam); }
-std::string share_name(std::string_view beam) { return fmt::format("beam.{}.share", beam); }
+std::string fraction_name(std::string_view beam) { return fmt::format("beam.{}.share", beam); }
 
 Tensor16 to_halves(std::vector<std::uint64_t> shape, const auto& numbers) {
     Tensor16 tensor{Type16::half, std::move(shape), {}};
@@ -99,7 +99,7 @@ struct BeamReader {
     }
     /// The shapes that the tensors of a beam must have. A grey beam with azimuths has one channel.
     Result<std::map<std::string, TensorShape>> shapes(std::string_view name) const {
-        const std::string angle = angle_name(name), azimuths = azimuths_name(name), share = share_name(name);
+        const std::string angle = angle_name(name), azimuths = azimuths_name(name), fraction = fraction_name(name);
         const auto& shape = find(angle)->shape;
         if (shape.size() != 1 || shape[0] < 1 || shape[0] > k_max_beam_rings)
             return input_error(file_name, fmt::format("tensor '{}': shape", angle),
@@ -112,22 +112,22 @@ struct BeamReader {
             for (const std::uint16_t half : tensor->data)
                 if (const float n = from_half(half); n >= 1 && n <= float(k_max_beam_nodes)) nodes += std::uint64_t(n);
         }
-        const Tensor16* shares = find(share);
-        const bool is_grey = find(azimuths) && shares && shares->shape.size() == 2 && shares->shape[1] == 1;
-        expected[share] = {Type16::half, {nodes, std::uint64_t(is_grey ? 1 : 3)}};
+        const Tensor16* fractions = find(fraction);
+        const bool is_grey = find(azimuths) && fractions && fractions->shape.size() == 2 && fractions->shape[1] == 1;
+        expected[fraction] = {Type16::half, {nodes, std::uint64_t(is_grey ? 1 : 3)}};
         return expected;
     }
     Result<Beam> beam(std::string_view name) const {
         auto beam = rings(name);
         if (!beam) return beam;
-        const std::string share = share_name(name);
-        const Tensor16& tensor = *find(share);
+        const std::string fraction = fraction_name(name);
+        const Tensor16& tensor = *find(fraction);
         const std::size_t channels = tensor.shape[1];
         for (std::size_t i = 0; i < tensor.data.size(); ++i) {
             const float tau = from_half(tensor.data[i]);
-            if (!(tau >= 0 && tau <= 1)) return error(share, "numbers from 0 to 1", fmt::format("{}", tau));
-            if (i % channels == 0) beam->share.push_back({tau, tau, tau});
-            beam->share.back()[int(i % channels)] = tau;
+            if (!(tau >= 0 && tau <= 1)) return error(fraction, "numbers from 0 to 1", fmt::format("{}", tau));
+            if (i % channels == 0) beam->fraction.push_back({tau, tau, tau});
+            beam->fraction.back()[int(i % channels)] = tau;
         }
         return beam;
     }
@@ -135,7 +135,7 @@ struct BeamReader {
 
 }  // namespace
 
-Rgb share_at(const Beam& beam, Vec3f wl) {
+Rgb fraction_at(const Beam& beam, Vec3f wl) {
     if (beam.empty() || !std::isfinite(wl.x + wl.y + wl.z)) return {};
     const float theta = elementary::acos(std::fmin(std::abs(wl.z), 1.f));
     float turns = 0;
@@ -143,22 +143,22 @@ Rgb share_at(const Beam& beam, Vec3f wl) {
         turns = elementary::atan2(wl.y, wl.x) / float(2 * k_pi);
         turns = std::fmin(turns < 0 ? turns + 1 : turns, 1.f);
     }
-    // Interpolates between the rings next to θ. The share is constant below the first ring, and falls to 0 at 90°.
+    // Interpolates between the rings next to θ. The fraction is constant below the first ring, and falls to 0 at 90°.
     std::size_t next = 0, first = 0, before = 0;
     for (; next < beam.theta.size() && beam.theta[next] <= theta; ++next)
         before = first, first += std::size_t(beam.nodes(next));
-    if (next == 0) return share_on_ring(beam, 0, 0, turns);
+    if (next == 0) return fraction_on_ring(beam, 0, 0, turns);
     const bool is_last = next == beam.theta.size();
     const float theta0 = beam.theta[next - 1], theta1 = is_last ? float(k_pi / 2) : beam.theta[next];
     const float t = theta1 > theta0 ? std::fmin((theta - theta0) / (theta1 - theta0), 1.f) : 0.f;
-    return mixed(share_on_ring(beam, next - 1, before, turns),
-                 is_last ? Rgb{} : share_on_ring(beam, next, first, turns), t);
+    return mixed(fraction_on_ring(beam, next - 1, before, turns),
+                 is_last ? Rgb{} : fraction_on_ring(beam, next, first, turns), t);
 }
 
-Rgb share_at(const Beams& beams, Part part, Vec3f wl) {
+Rgb fraction_at(const Beams& beams, Part part, Vec3f wl) {
     const Beam& beam = beams[std::size_t(part)];
-    if (beam.empty() && is_transmission(part)) return share_at(beams[std::size_t(counterpart(part))], mirror(wl));
-    return share_at(beam, wl);
+    if (beam.empty() && is_transmission(part)) return fraction_at(beams[std::size_t(counterpart(part))], mirror(wl));
+    return fraction_at(beam, wl);
 }
 
 Evaluate part_of(Evaluate bsdf, Part part) {
@@ -200,14 +200,14 @@ std::map<std::string, Tensor16> encode_beams(const Beams& beams) {
         const Beam& beam = beams[b];
         if (beam.empty()) continue;
         const bool is_grey = !beam.azimuths.empty() &&
-                             std::ranges::all_of(beam.share, [](const Rgb& x) { return x.r == x.g && x.g == x.b; });
-        std::vector<float> share;
-        for (const Rgb& tau : beam.share)
-            for (int c = 0; c < (is_grey ? 1 : 3); ++c) share.push_back(tau[c]);
-        const auto rings = std::uint64_t(beam.theta.size()), nodes = std::uint64_t(beam.share.size());
+                             std::ranges::all_of(beam.fraction, [](const Rgb& x) { return x.r == x.g && x.g == x.b; });
+        std::vector<float> fraction;
+        for (const Rgb& tau : beam.fraction)
+            for (int c = 0; c < (is_grey ? 1 : 3); ++c) fraction.push_back(tau[c]);
+        const auto rings = std::uint64_t(beam.theta.size()), nodes = std::uint64_t(beam.fraction.size());
         tensors[angle_name(k_beam_names[b])] = to_halves({rings}, beam.theta);
         if (!beam.azimuths.empty()) tensors[azimuths_name(k_beam_names[b])] = to_halves({rings}, beam.azimuths);
-        tensors[share_name(k_beam_names[b])] = to_halves({nodes, std::uint64_t(is_grey ? 1 : 3)}, share);
+        tensors[fraction_name(k_beam_names[b])] = to_halves({nodes, std::uint64_t(is_grey ? 1 : 3)}, fraction);
     }
     return tensors;
 }
@@ -232,4 +232,4 @@ Result<Beams> decode_beams(const std::map<std::string, Tensor16>& tensors, const
     return beams;
 }
 
-}  // namespace srbf
+}  // namespace

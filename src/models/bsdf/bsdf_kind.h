@@ -31,4 +31,4 @@ template <> struct Kind<BsdfModel> {
     static BsdfModel from_parameters(ParameterReader& reader);
 };
 
-}  // namespace srbf
+}  // namespace

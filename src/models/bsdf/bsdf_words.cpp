@@ -20,9 +20,9 @@ void Kind<BsdfModel>::add_rows(std::string& text, const BsdfModel& model) {
             text += fmt::format("\n  {}\n{}", k_part_names[p], rows_text(*model.part[p]));
         else
             text += fmt::format("\n  {}: {}\n", k_part_names[p],
-                                !used.brdf       ? is_known(model.part, model.beam, Part(p)) ? "a beam alone" : "0"
-                                : used.exchanged ? "by reciprocity"
-                                                 : "that of the other side");
+                                !used.brdf          ? is_known(model.part, model.beam, Part(p)) ? "a beam alone" : "0"
+                                : used.is_exchanged ? "by reciprocity"
+                                                    : "that of the other side");
     }
 }
 
@@ -37,7 +37,7 @@ Parameters Kind<BsdfModel>::parameters(const BsdfModel& model) {
         if (beam.empty()) continue;
         const std::string name = fmt::format("beam_{}_", k_beam_names[b]);
         all.push_back({name + "angle", array_of({beam.theta.size()}, beam.theta)});
-        all.push_back({name + "share", array_of({beam.share.size(), 3}, beam.share)});
+        all.push_back({name + "share", array_of({beam.fraction.size(), 3}, beam.fraction)});
         const std::vector<float> azimuths(beam.azimuths.begin(), beam.azimuths.end());
         if (!azimuths.empty()) all.push_back({name + "azimuths", array_of({azimuths.size()}, azimuths)});
     }
@@ -62,12 +62,12 @@ BsdfModel Kind<BsdfModel>::from_parameters(ParameterReader& reader) {
     }
     for (std::size_t b = 0; b < model.beam.size(); ++b) {
         const std::string name = fmt::format("beam_{}_", k_beam_names[b]);
-        const std::string angle = name + "angle", share = name + "share", azimuths = name + "azimuths";
-        if (!reader.has(angle) && !reader.has(share) && !reader.has(azimuths)) continue;
+        const std::string angle = name + "angle", fraction = name + "share", azimuths = name + "azimuths";
+        if (!reader.has(angle) && !reader.has(fraction) && !reader.has(azimuths)) continue;
         const char ring = char('a' + 2 * b), node = char(ring + 1);  // each beam has its own letters of shapes
         Beam& beam = model.beam[b];
         beam.theta = reader.numbers(angle, {&ring, 1});
-        beam.share = reader.vectors<Rgb>(share, std::string{reader.has(azimuths) ? node : ring, '3'});
+        beam.fraction = reader.vectors<Rgb>(fraction, std::string{reader.has(azimuths) ? node : ring, '3'});
         if (!reader.has(azimuths)) continue;
         // An invalid number of nodes becomes 0, which is refused later.
         for (const float n : reader.numbers(azimuths, {&ring, 1}))
@@ -78,4 +78,4 @@ BsdfModel Kind<BsdfModel>::from_parameters(ParameterReader& reader) {
 
 std::string Kind<BsdfModel>::formula_text(const BsdfModel&, const NumberText&) { return {}; }
 
-}  // namespace srbf
+}  // namespace

@@ -1,4 +1,3 @@
-
 #include "base/errors.h"
 #include "base/half.h"
 #include "base/least_squares.h"
@@ -74,7 +73,7 @@ class GgxProblem {
     }
     /// D G / (4 cosθl cosθv) of each row.
     const std::vector<float>& facets(double log_alpha) {
-        const auto entry = std::min(std::ranges::find(facets_, log_alpha, &Facets::log_alpha), facets_.end() - 1);
+        const auto entry = std::min(std::ranges::find(facets_, log_alpha, &CachedColumn::log_alpha), facets_.end() - 1);
         std::rotate(facets_.begin(), entry, entry + 1);
         if (facets_[0].log_alpha != log_alpha) {
             const auto alpha = float(elementary::exp2(log_alpha));
@@ -114,11 +113,11 @@ class GgxProblem {
     std::size_t rows_;
     int threads_;
     std::vector<float> grazing_;  ///< s of each row
-    struct Facets {
+    struct CachedColumn {
         double log_alpha = 1;  ///< 1 for an unused entry, since roughness is at most 1
         std::vector<float> values;
     };
-    std::array<Facets, 4>
+    std::array<CachedColumn, 4>
         facets_;  ///< a cache of the last values of roughness, of which a search changes one at a time
 };
 
@@ -166,7 +165,7 @@ void refine(GgxProblem& problem, LogRoughness& log_alpha, double min_log) {
         }
 }
 
-/// Variables of a search by pictures: roots of coefficients, and log2 of the roughness as a share of its range.
+/// Variables of a search by pictures: roots of coefficients, and log2 of the roughness as a fraction of its range.
 struct GgxVariables {
     double min_log;
     std::size_t lobes;
@@ -206,7 +205,7 @@ struct GgxVariables {
 
 /// The loss of the pairs relative to the loss of the pixels, at the model that is solved for pairs; about the same as
 /// in the default fit. Without pairs the RMS of radiance is up to twice as large.
-constexpr double k_pair_share = 0.3;
+constexpr double k_pair_fraction = 0.3;
 
 /// The model with the least loss of pixels and pairs, starting from `solved`, the best model by pairs, and from the
 /// best by pairs at each roughness of the grid.
@@ -222,7 +221,7 @@ Result<Fitted<GgxModel>> fit_pixels(const Observations& observations, GgxProblem
     for (const SurfaceRound& round : {SurfaceRound{candidates.size(), 8, 0}, {24, 4, 12}, {6, 1, 40}}) {
         if (!progress.report("fitting pixels", done)) return cancelled_error("fit");
         data.emplace(observations, round.subsampling)
-            .add_pairs(observations, round.subsampling, evaluator(solved), k_pair_share);
+            .add_pairs(observations, round.subsampling, evaluator(solved), k_pair_fraction);
         refine_candidates(candidates, round, *data, variables_of, threads);
         done += 0.15;
     }
@@ -271,4 +270,4 @@ Result<Fitted<GgxModel>> Kind<GgxModel>::fit(const Observations& observations, c
     return fit;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -39,4 +39,4 @@ std::string Kind<GgxModel>::formula_text(const GgxModel& model, const NumberText
     return text + "    return " + sum + ";\n";
 }
 
-}  // namespace srbf
+}  // namespace

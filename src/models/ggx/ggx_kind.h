@@ -43,4 +43,4 @@ template <> struct Kind<GgxModel> : KindOfNumbers<GgxModel> {
     }
 };
 
-}  // namespace srbf
+}  // namespace

@@ -44,4 +44,4 @@ template <typename M>
 requires requires { Kind<M>::name; }
 M rounded(const M& model) { return *as_stored(model); }
 
-}  // namespace srbf
+}  // namespace

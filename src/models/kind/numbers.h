@@ -35,9 +35,9 @@ requires std::same_as<std::remove_const_t<MaybeConst>, M>
 auto& number(MaybeConst& model, const Member<M, Lobe>& member, int c, std::size_t lobe = 0) {
     if constexpr (requires { model.lobes; }) {
         if (member.lobe_number) return model.lobes[lobe].*member.lobe_number;
-        if (member.lobe_colour) return (&(model.lobes[lobe].*member.lobe_colour).r)[c];
+        if (member.lobe_colour) return (model.lobes[lobe].*member.lobe_colour)[c];
     }
-    return member.number ? model.*member.number : (&(model.*member.colour).r)[c];
+    return member.number ? model.*member.number : (model.*member.colour)[c];
 }
 
 template <typename M> std::size_t lobes_of_numbers(const M& model) {

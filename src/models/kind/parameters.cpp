@@ -67,7 +67,7 @@ bool ParameterReader::flag(std::string_view name, bool preset) {
     return flag ? *flag : preset;
 }
 
-int ParameterReader::whole(std::string_view name, int min, int max, int preset) {
+int ParameterReader::integer(std::string_view name, int min, int max, int preset) {
     const auto* number = value<int>(name, "a whole number");
     if (number && (*number < min || *number > max))
         refuse(name, fmt::format("{} to {}", min, max), std::to_string(*number));
@@ -97,4 +97,4 @@ std::optional<Error> ParameterReader::error() const {
     return {};
 }
 
-}  // namespace srbf
+}  // namespace

@@ -77,7 +77,7 @@ class ParameterReader {
     std::vector<Vec3f> units(std::string_view name, std::string_view shape);
     std::string word(std::string_view name, const std::vector<std::string_view>& known, std::string_view preset);
     bool flag(std::string_view name, bool preset);
-    int whole(std::string_view name, int min, int max, int preset);
+    int integer(std::string_view name, int min, int max, int preset);
     /// The values of a part; null if there are none.
     const Parameters* part(std::string_view name);
 

@@ -48,7 +48,7 @@ void evaluate_surface(const OpenPbrModel& model, const Vec3f* wl, const Vec3f* w
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace srbf
+}  // namespace
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
@@ -63,5 +63,5 @@ void evaluate(const OpenPbrModel& model, std::span<const Vec3f> wl, std::span<co
     HWY_DYNAMIC_DISPATCH(evaluate_surface)(model, wl.data(), wv.data(), f.data(), f.size());
 }
 
-}  // namespace srbf
+}  // namespace
 #endif

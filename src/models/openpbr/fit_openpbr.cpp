@@ -1,4 +1,3 @@
-
 #include "base/errors.h"
 #include "brdf/directions.h"
 #include "models/openpbr/openpbr_kind.h"
@@ -91,8 +90,8 @@ Rgb typical_colour(const Observations& observations) {
                 sum[std::size_t(c)] += k_pi * observations.weight[i] * double(observations.f[i][c]);
         }
     }
-    const auto share = [&](double x) { return float(std::clamp(total > 0 ? x / total : 0, 0.02, 0.95)); };
-    return {share(sum[0]), share(sum[1]), share(sum[2])};
+    const auto fraction = [&](double x) { return float(std::clamp(total > 0 ? x / total : 0, 0.02, 0.95)); };
+    return {fraction(sum[0]), fraction(sum[1]), fraction(sum[2])};
 }
 
 using OpenPbrCandidate = SurfaceCandidate<OpenPbrModel>;
@@ -159,7 +158,7 @@ constexpr SurfaceRound k_last_openpbr_round{2, 1, 40};
 constexpr int k_reweighting_rounds = 4;      ///< rounds with weights adapted to errors, if no pictures are observed
 constexpr double k_max_weight_change = 100;  ///< the largest factor by which weights adapt
 constexpr int k_pruning_steps = 10;          ///< steps with which the surface adapts to the loss of a part
-constexpr double k_min_part_gain = 0.01;     ///< a part is kept if it lowers the loss by a larger share
+constexpr double k_min_part_gain = 0.01;     ///< a part is kept if it lowers the loss by a larger fraction
 constexpr double k_invisible_loss = 0.01;    ///< no part is kept if the loss of pixels is below this (ΔE_ITP 0.1)
 
 /// Variables without the variables of the named parameters.
@@ -307,4 +306,4 @@ Result<Fitted<OpenPbrModel>> Kind<OpenPbrModel>::fit(const Observations& observa
     return fit;
 }
 
-}  // namespace srbf
+}  // namespace

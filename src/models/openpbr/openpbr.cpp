@@ -82,4 +82,4 @@ std::string Kind<OpenPbrModel>::formula_text(const OpenPbrModel& model, const Nu
     return text + fmt::format("    return openpbr_anisotropic_value(layers, film, anisotropy, {});\n", directions);
 }
 
-}  // namespace srbf
+}  // namespace

@@ -32,4 +32,4 @@ inline Kernel<float>::OpenPbrAnisotropy kernel_anisotropy(const OpenPbrModel& mo
     return {model.specular_roughness_anisotropy, float(elementary::cos(azimuth)), float(elementary::sin(azimuth))};
 }
 
-}  // namespace srbf
+}  // namespace

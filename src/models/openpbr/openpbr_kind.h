@@ -32,4 +32,4 @@ template <> struct Kind<OpenPbrModel> : KindOfNumbers<OpenPbrModel> {
                                             const FitConditions& conditions = {}, const ProgressToken& progress = {});
 };
 
-}  // namespace srbf
+}  // namespace

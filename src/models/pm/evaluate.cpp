@@ -252,7 +252,7 @@ PairEvaluator pair_evaluator(const PmLanes& model) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace srbf
+}  // namespace
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
@@ -344,5 +344,5 @@ Channels spectra(const PmModel& model) {
             }};
 }
 
-}  // namespace srbf
+}  // namespace
 #endif

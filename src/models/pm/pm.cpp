@@ -55,4 +55,4 @@ void exchange(PmModel& model) {
     for (Parameterization& p : model.parameterization) std::swap(p.a, p.b);  // everything else is symmetric
 }
 
-}  // namespace srbf
+}  // namespace

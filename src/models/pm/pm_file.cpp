@@ -183,4 +183,4 @@ PmModel rounded(const PmModel& model) {
     return *std::move(decoded);
 }
 
-}  // namespace srbf
+}  // namespace

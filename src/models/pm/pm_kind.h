@@ -25,4 +25,4 @@ template <> struct Kind<PmModel> {
 /// The tensors of a model and the metadata that determine their meaning.
 Safetensors lobes_content(const PmModel& model, bool with_log_scale = true);
 
-}  // namespace srbf
+}  // namespace

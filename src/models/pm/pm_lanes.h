@@ -72,4 +72,4 @@ PairEvaluator pair_evaluator(const PmLanes& model);
 /// f on arrays of pairs. The spans must have the same length.
 void evaluate(const PmLanes& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 
-}  // namespace srbf
+}  // namespace

@@ -158,4 +158,4 @@ std::string Kind<PmModel>::formula_text(const PmModel&, const NumberText&) {
     return "    return pm_value(pm, wl, wv);\n";
 }
 
-}  // namespace srbf
+}  // namespace

@@ -39,7 +39,7 @@ void evaluate_run(const SuModel& model, const ViewNeighbours& neighbours, const 
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace srbf
+}  // namespace
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
@@ -148,5 +148,5 @@ Evaluate evaluator(const SuModel& model) {
     return [&model](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); };
 }
 
-}  // namespace srbf
+}  // namespace
 #endif

@@ -1,5 +1,3 @@
-
-
 #include "models/su/fit_su.h"
 #include "base/errors.h"
 #include "base/parallel.h"
@@ -162,4 +160,4 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
     return result;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -31,4 +31,4 @@ struct SuFit {
 /// are out of range, the matrix has another size, or a view has data at fewer than J directions within θmax.
 Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const ProgressToken& progress = {});
 
-}  // namespace srbf
+}  // namespace

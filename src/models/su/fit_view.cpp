@@ -9,7 +9,7 @@ namespace {
 
 /// Bounds on the steps of Levenberg-Marquardt: from a neighbour's lobes, from scratch, and after a lobe was replaced.
 constexpr int k_steps = 15, k_steps_from_scratch = 40, k_steps_after_perturbation = 12;
-/// A fit ends when a step is predicted to lower the loss by no more than this share; other seeds change it by more.
+/// A fit ends when a step is predicted to lower the loss by no more than this fraction; other seeds change it by more.
 constexpr double k_decrease_tolerance = 1e-4;
 /// The number of times that a fit from scratch replaces its least useful lobe.
 constexpr int k_view_perturbations = 8;
@@ -114,4 +114,4 @@ ViewFit fit_coefficients(ViewProblem& problem, const ViewRows& rows, const std::
     return {lobes, loss, Stop::decrease, problem.coefficients()};
 }
 
-}  // namespace srbf
+}  // namespace

@@ -29,4 +29,4 @@ std::vector<ViewLobe> rotate_lobes(std::vector<ViewLobe> lobes, Vec3f view, Vec3
 
 ViewFit fit_coefficients(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& lobes);
 
-}  // namespace srbf
+}  // namespace

@@ -15,4 +15,4 @@ ViewNeighbours find_neighbours(const SuModel& model, Vec3f w);
 /// ∫ G_ij cosθ dω of each lobe, n × J, with coefficients 1.
 std::vector<float> lobe_integrals(const SuModel& model);
 
-}  // namespace srbf
+}  // namespace

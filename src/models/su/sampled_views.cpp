@@ -175,4 +175,4 @@ void SampledViews::add_radiances(ViewRows& rows, const Table& table) const {
     }
 }
 
-}  // namespace srbf
+}  // namespace

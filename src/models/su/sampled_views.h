@@ -70,4 +70,4 @@ class SampledViews {
     std::vector<ViewRows> rows_;
 };
 
-}  // namespace srbf
+}  // namespace

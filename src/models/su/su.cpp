@@ -71,4 +71,4 @@ void exchange(SuModel& model) {
     model.discretise = model.discretise == Discretise::view ? Discretise::light : Discretise::view;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -152,4 +152,4 @@ double Kind<SuModel>::largest(const SuModel& model) {
     return largest;
 }
 
-}  // namespace srbf
+}  // namespace

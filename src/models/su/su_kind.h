@@ -22,4 +22,4 @@ template <> struct Kind<SuModel> {
     static SuModel from_parameters(ParameterReader& reader);
 };
 
-}  // namespace srbf
+}  // namespace

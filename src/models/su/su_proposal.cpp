@@ -13,11 +13,11 @@ namespace {
 
 using SuKernel = Kernel<float>;
 
-/// The share s of a view's samples that follow the cosine is v₀ / (v₀ + v), within bounds. v is the relative variance
-/// of samples by the cosine alone; for v = v₀ the share is half.
-constexpr float k_min_cosine_share = 0.1f, k_max_cosine_share = 0.99f, k_half_share_variance = 0.2f;
+/// The fraction s of a view's samples that follow the cosine is v₀ / (v₀ + v), within bounds. v is the relative
+/// variance of samples by the cosine alone; for v = v₀ the fraction is half.
+constexpr float k_min_cosine_fraction = 0.1f, k_max_cosine_fraction = 0.99f, k_half_fraction_variance = 0.2f;
 constexpr int k_variance_samples = 128;  ///< samples that estimate this variance
-/// Lower bound on the reflectance of a lobe, so that the shares of black lobes are defined.
+/// Lower bound on the reflectance of a lobe, so that the fractions of black lobes are defined.
 constexpr float k_min_integral = 1e-20f;
 
 /// The largest float below 1.
@@ -28,10 +28,10 @@ struct Choice {
     float u;
 };
 /// Chooses an index by probabilities that sum to 1, with u uniform in [0,1).
-template <typename Share> Choice choose(int count, float u, const Share& share) {
+template <typename Fraction> Choice choose(int count, float u, const Fraction& fraction) {
     int last = 0;
     for (int k = 0; k < count; ++k) {
-        const float part = share(k);
+        const float part = fraction(k);
         if (!(part > 0)) continue;
         if (u < part) return {k, std::min(u / part, k_below_one)};
         u -= part;
@@ -48,20 +48,20 @@ auto lobe_times_cosine(const SuModel& model, std::size_t k) {
 Vec3f sample_view(const ViewProposal& proposal, std::size_t view, Vec2f u, float selector) {
     const SuModel& model = *proposal.model;
     const auto J = std::size_t(model.lobes);
-    const float* const share = &proposal.share[view * (J + 1)];
-    const Choice part = choose(model.lobes + 1, selector, [&](int k) { return share[k]; });
+    const float* const fraction = &proposal.fraction[view * (J + 1)];
+    const Choice part = choose(model.lobes + 1, selector, [&](int k) { return fraction[k]; });
     if (part.index == 0) return SuKernel::sample_cosine(u.x, u.y);
     const auto lobe = lobe_times_cosine(model, view * J + std::size_t(part.index) - 1);
     return SuKernel::reflected_up(SuKernel::sample_vmf(lobe.centre, lobe.bandwidth, u.x, u.y));
 }
 float view_pdf(const ViewProposal& proposal, std::size_t view, Vec3f wl) {
     const auto J = std::size_t(proposal.model->lobes);
-    const float* const share = &proposal.share[view * (J + 1)];
-    float pdf = share[0] * SuKernel::cosine_pdf(wl);
+    const float* const fraction = &proposal.fraction[view * (J + 1)];
+    float pdf = fraction[0] * SuKernel::cosine_pdf(wl);
     for (std::size_t j = 0; j < J; ++j) {
         const auto lobe = lobe_times_cosine(*proposal.model, view * J + j);
-        pdf += share[j + 1] * (SuKernel::vmf_pdf(wl, lobe.centre, lobe.bandwidth) +
-                               SuKernel::vmf_pdf({wl.x, wl.y, -wl.z}, lobe.centre, lobe.bandwidth));
+        pdf += fraction[j + 1] * (SuKernel::vmf_pdf(wl, lobe.centre, lobe.bandwidth) +
+                                  SuKernel::vmf_pdf({wl.x, wl.y, -wl.z}, lobe.centre, lobe.bandwidth));
     }
     return pdf;
 }
@@ -91,20 +91,20 @@ ViewProposal propose(const SuModel& model) {
     const auto J = std::size_t(model.lobes);
     ViewProposal proposal{&model, std::vector<float>(model.direction.size() * (J + 1))};
     for (std::size_t view = 0; view < model.direction.size(); ++view) {
-        const auto share = std::span(proposal.share).subspan(view * (J + 1), J + 1);
+        const auto fraction = std::span(proposal.fraction).subspan(view * (J + 1), J + 1);
         for (std::size_t j = 0; j < J; ++j)
-            share[j + 1] =
+            fraction[j + 1] =
                 std::max(integral[view * J + j] * float(luminance(model.coefficient[view * J + j])), k_min_integral);
-        const auto set_cosine_share = [&](float cosine_share) {
-            share[0] = 0;
-            const float sum = std::accumulate(share.begin(), share.end(), 0.f);
-            for (float& lobe_share : share) lobe_share *= (1 - cosine_share) / sum;
-            share[0] = cosine_share;
+        const auto set_cosine_fraction = [&](float cosine_fraction) {
+            fraction[0] = 0;
+            const float sum = std::accumulate(fraction.begin(), fraction.end(), 0.f);
+            for (float& lobe_fraction : fraction) lobe_fraction *= (1 - cosine_fraction) / sum;
+            fraction[0] = cosine_fraction;
         };
-        set_cosine_share(k_min_cosine_share);
+        set_cosine_fraction(k_min_cosine_fraction);
         const float variance = cosine_variance(proposal, view);
-        set_cosine_share(std::clamp(k_half_share_variance / (k_half_share_variance + variance), k_min_cosine_share,
-                                    k_max_cosine_share));
+        set_cosine_fraction(std::clamp(k_half_fraction_variance / (k_half_fraction_variance + variance),
+                                       k_min_cosine_fraction, k_max_cosine_fraction));
     }
     return proposal;
 }
@@ -130,4 +130,4 @@ float pdf(const ViewProposal& proposal, Vec3f wl, Vec3f wv) {
     return sum;
 }
 
-}  // namespace srbf
+}  // namespace

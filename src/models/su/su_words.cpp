@@ -89,10 +89,10 @@ SuModel Kind<SuModel>::from_parameters(ParameterReader& reader) {
         reader.refuse("direction", "the Fibonacci set of the hemisphere", "");
     model.interpolation = *interpolation_named(reader.word("interpolation", {"rotated", "plain"}, "rotated"));
     model.discretise = *discretise_named(reader.word("discretise", {"view", "light"}, "view"));
-    model.neighbours = reader.whole("neighbours", 1, k_max_neighbours, 3);
+    model.neighbours = reader.integer("neighbours", 1, k_max_neighbours, 3);
     if (!reader.has("index")) return model;
     const auto map = map_named(reader.word("index", {"cube", "parabolic"}, "cube"));
-    const int size = reader.whole("index_size", 0, k_largest_texture, 0);
+    const int size = reader.integer("index_size", 0, k_largest_texture, 0);
     if (!reader.error() && n >= k_min_views) model.index = index_texture(model, *map, size);
     return model;
 }
@@ -102,4 +102,4 @@ std::string Kind<SuModel>::formula_text(const SuModel& model, const NumberText&)
                        model.discretise == Discretise::view ? "wl, wv" : "wv, wl");
 }
 
-}  // namespace srbf
+}  // namespace

@@ -46,7 +46,7 @@ void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace srbf
+}  // namespace
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
@@ -71,5 +71,5 @@ DirectionRows::DirectionRows(std::span<const Vec3f> directions) : blocks(blocks_
         w[0][i] = directions[i].x, w[1][i] = directions[i].y, w[2][i] = directions[i].z;
 }
 
-}  // namespace srbf
+}  // namespace
 #endif

@@ -32,4 +32,4 @@ float exponents(const DirectionRows& rows, std::size_t block, const MovingLobe& 
 void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* e, const float* x,
             float* by_first, float* by_second, float* by_log_bandwidth);
 
-}  // namespace srbf
+}  // namespace

@@ -123,11 +123,11 @@ Eigen::RowVector3d ViewProblem::coefficient_limits(const MovingLobe& lobe, doubl
     // The maximum of the lobe over the hemisphere; it is at the horizon if the centre is below.
     const double z = double(lobe.centre.z), lambda = double(lobe.bandwidth);
     const double log_peak = z < 0 ? lambda * (std::sqrt(std::max(0.0, 1 - z * z)) - 1) : 0;
-    const double share = elementary::exp(max - log_peak);  // the largest value on the rows, relative to that maximum
+    const double fraction = elementary::exp(max - log_peak);  // the largest value on the rows, relative to that maximum
     Eigen::RowVector3d limit;
     for (int c = 0; c < 3; ++c) {
-        const double peak_limit =
-            view_->largest[std::size_t(c)] / std::max(z, view_->min_cosine) * share * std::min(1.0, k_hidden * share);
+        const double peak_limit = view_->largest[std::size_t(c)] / std::max(z, view_->min_cosine) * fraction *
+                                  std::min(1.0, k_hidden * fraction);
         const double half_limit = double(k_half_max) / view_->scale * elementary::exp(max);
         limit[c] = std::min(peak_limit, half_limit);
     }
@@ -190,4 +190,4 @@ std::vector<std::array<double, 3>> ViewProblem::coefficients() const {
     return all;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -90,4 +90,4 @@ class ViewProblem {
     Coefficients coefficients_;
 };
 
-}  // namespace srbf
+}  // namespace

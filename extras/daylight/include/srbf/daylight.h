@@ -47,7 +47,7 @@ struct KlemsTable {
     static constexpr std::string_view k_name = "KlemsTable";
     AngleBasis incident, outgoing;
     std::vector<Rgb> cells;    ///< f [1/sr] without the beam, outgoing × incident
-    std::vector<Rgb> beam;     ///< each incident patch's share of light in a peak within one patch; or empty
+    std::vector<Rgb> beam;     ///< each incident patch's fraction of light in a peak within one patch; or empty
     std::uint64_t masked = 0;  ///< cells without a measurement, which are NaN; files have none
     Rgb cell(std::size_t o, std::size_t i) const { return cells[o * incident.patches() + i]; }
     /// The outgoing patch that contains the mirror direction, or the direction straight through, of an incident
@@ -115,7 +115,7 @@ inline constexpr std::size_t k_largest_xml = std::size_t(1) << 28;
 /// Averages a part of a BSDF, in its own frame, over pairs of patches of `basis`, weighted by both cosines. A pair
 /// has 256 points, or 4096 around the mirror direction. Values that were not measured are left out of a mean.
 KlemsTable to_klems(const Evaluate& part, const AngleBasis& basis, int threads = 0);
-/// Sets the beam of each incident patch to the share of the part's beam at the patch's middle.
+/// Sets the beam of each incident patch to the fraction of the part's beam at the patch's middle.
 void add_beam(KlemsTable& table, const Beams& beams, Part part);
 
 /// The XML for WINDOW and Radiance of a BSDF whose parts are all matrices of patches. Beams are added back to the

@@ -72,8 +72,8 @@ struct TexelCoefficients {
 /// `error` is √(Σ w |f−f̂|² / Σ w |f|²) of each texel with these coefficients, 0 for a black one and 1 if it failed.
 TexelCoefficients coefficients_of_texels(const TexelMap& map, const SharedPairs& pairs, std::span<const Rgb> f,
                                          int threads = 0);
-/// Texels that are sums of the map's texels, its materials, weighted by `shares` [T, materials] of at least 0. Their
+/// Texels that are sums of the map's texels, its materials, weighted by `fractions` [T, materials] of at least 0. Their
 /// errors are the same sums.
-TexelCoefficients painted_texels(const TexelMap& materials, std::span<const float> shares);
+TexelCoefficients painted_texels(const TexelMap& materials, std::span<const float> fractions);
 
 SRBF_END

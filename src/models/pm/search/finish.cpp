@@ -161,4 +161,4 @@ PmFit finish(Lobes lobes, Observations observations, const PackingOptions& terms
     return bound ? limit_albedo(*bound, std::move(fit), observations) : fit;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -47,17 +47,17 @@ Result<Done> validate(const Observations& observations, const PmFitOptions& opti
 }
 
 /// A stage of the perturbations of a fit. The first `fraction` of the starts, but at least `min` if there are that
-/// many, are perturbed on the rows of `pairs` until each candidate has had the share `until` of the options' number.
+/// many, are perturbed on the rows of `pairs` until each candidate has had the fraction `until` of the options' number.
 struct Perturbations {
-    Pairs pairs;
+    RowSet pairs;
     double fraction, until;
     std::size_t min = 1;
 };
 constexpr Perturbations k_by_pairs[] = {
-    {Pairs::search, 1, 0.2}, {Pairs::selection, 0.5, 0.5}, {Pairs::selection, 0.25, 1}};
+    {RowSet::search, 1, 0.2}, {RowSet::selection, 0.5, 0.5}, {RowSet::selection, 0.25, 1}};
 /// Candidates with the same loss of pairs look different, and further perturbations hardly lower that loss: half
 /// of the candidates remain for pictures to choose from.
-constexpr Perturbations k_by_pictures[] = {{Pairs::search, 1, 0.12}, {Pairs::search, 0.5, 0.28, 6}};
+constexpr Perturbations k_by_pictures[] = {{RowSet::search, 1, 0.12}, {RowSet::search, 0.5, 0.28, 6}};
 
 /// Number of pairs while there are many candidates; in a short search about ten for each parameter.
 std::size_t search_pairs(const Observations& observations, const PmFitOptions& options) {
@@ -72,11 +72,11 @@ std::span<const Perturbations> perturbations(bool with_pictures) {
 std::size_t count_of(double fraction, const PmFitOptions& options) {
     return std::size_t(std::max(std::lround(fraction * starts_of(options)), 1L));
 }
-std::size_t count_of(const Perturbations& some, const PmFitOptions& options) {
-    return std::max(count_of(some.fraction, options), std::min(some.min, count_of(1, options)));
+std::size_t count_of(const Perturbations& stage, const PmFitOptions& options) {
+    return std::max(count_of(stage.fraction, options), std::min(stage.min, count_of(1, options)));
 }
-int until(const Perturbations& some, const PmFitOptions& options) {
-    return int(std::lround(some.until * perturbations_of(options)));
+int until(const Perturbations& stage, const PmFitOptions& options) {
+    return int(std::lround(stage.until * perturbations_of(options)));
 }
 
 /// Work of a fit in units of grown lobes and perturbations. The steps after the search, and the last ones, each take a
@@ -88,9 +88,9 @@ struct Work {
 Work planned_work(const Observations& observations, const PmFitOptions& options) {
     constexpr double k_polish = 0.2;
     int count = 0, previous = 0;
-    for (const Perturbations& some : perturbations(!observations.views.empty())) {
-        const int next = until(some, options);
-        count += int(count_of(some, options)) * (next - previous);
+    for (const Perturbations& stage : perturbations(!observations.views.empty())) {
+        const int next = until(stage, options);
+        count += int(count_of(stage, options)) * (next - previous);
         previous = next;
     }
     return {double(starts_of(options) * options.lobes + count), k_polish * count + 1};
@@ -99,13 +99,13 @@ Work planned_work(const Observations& observations, const PmFitOptions& options)
 /// The search for the lobes of one material. Runs on the threads of the caller's `on_threads`.
 class StagedSearch {
   public:
-    /// Makes a candidate for each start of the options, or one with the lobes of `begin`.
-    StagedSearch(const Observations& observations, const PmFitOptions& options, const PmModel* begin,
+    /// Makes a candidate for each start of the options, or one with the lobes of `initial_model`.
+    StagedSearch(const Observations& observations, const PmFitOptions& options, const PmModel* initial_model,
                  Reporter& reporter)
-        : observations_(observations), options_(options), reporter_(reporter), begins_from_model_(begin) {
-        candidates_.resize(begin ? 1 : std::size_t(starts_of(options)));
+        : observations_(observations), options_(options), reporter_(reporter), begins_from_model_(initial_model) {
+        candidates_.resize(initial_model ? 1 : std::size_t(starts_of(options)));
         for (std::size_t start = 0; start < candidates_.size(); ++start) candidates_[start].start = int(start);
-        if (begin) candidates_[0].lobes = to_lobes(*begin, shape_of(options));
+        if (initial_model) candidates_[0].lobes = to_lobes(*initial_model, shape_of(options));
     }
 
     /// Fits with pairs and albedos only. A candidate after the best one is finished only if its error is at most 1 %
@@ -115,7 +115,7 @@ class StagedSearch {
         perturb_all(k_by_pairs);
         add_exceeded_pairs();
         keep(4);
-        for_candidates(subsets_.rows(Pairs::polish, {}),
+        for_candidates(subsets_.rows(RowSet::polish, {}),
                        [&](LobeProblem& problem, Candidate& candidate) { polish(problem, options_, 25, candidate); });
         reporter_.advance("polishing", work_.polish);
         sort_by_all_pairs();
@@ -148,16 +148,16 @@ class StagedSearch {
     }
     void grow_all() {
         for_candidates(
-            subsets_.rows(Pairs::search, {.albedos = false}),
+            subsets_.rows(RowSet::search, {.albedos = false}),
             [&](LobeProblem& problem, Candidate& candidate) { srbf::grow(problem, options_, candidate, reporter_); });
     }
     void perturb_all(std::span<const Perturbations> all) {
         if (begins_from_model_) return;
-        for (const Perturbations& some : all) {
-            keep(count_of(some, options_));
+        for (const Perturbations& stage : all) {
+            keep(count_of(stage, options_));
             add_exceeded_pairs();
-            for_candidates(subsets_.rows(some.pairs, {}), [&](LobeProblem& problem, Candidate& candidate) {
-                srbf::perturb(problem, options_, until(some, options_), candidate, reporter_);
+            for_candidates(subsets_.rows(stage.pairs, {}), [&](LobeProblem& problem, Candidate& candidate) {
+                srbf::perturb(problem, options_, until(stage, options_), candidate, reporter_);
             });
         }
     }
@@ -168,7 +168,7 @@ class StagedSearch {
     /// Takes steps, and orders the candidates by the mean ΔE_ITP of their pictures.
     void rank_by_pictures(int steps, double importance) {
         if (reporter_.cancelled()) return;
-        for_candidates(subsets_.rows(Pairs::selection, {.pictures = importance}),
+        for_candidates(subsets_.rows(RowSet::selection, {.pictures = importance}),
                        [&](LobeProblem& problem, Candidate& candidate) {
                            if (reporter_.cancelled()) return;
                            Eigen::VectorXd x = pack(candidate.lobes);
@@ -179,7 +179,7 @@ class StagedSearch {
         reporter_.advance("polishing", work_.polish / 3);
     }
     void sort_by_all_pairs() {
-        const PackedObservations rows = subsets_.rows(Pairs::all, {});
+        const PackedObservations rows = subsets_.rows(RowSet::all, {});
         LobeProblem problem(rows, shape_of(options_), true);
         for (Candidate& candidate : candidates_) candidate.loss = problem.loss(pack(candidate.lobes));
         std::ranges::stable_sort(candidates_, {}, &Candidate::loss);
@@ -218,16 +218,16 @@ class StagedSearch {
 }  // namespace
 
 Result<PmFit> fit_pm(const Observations& observations, const PmFitOptions& options, const ProgressToken& progress,
-                     const PmModel* begin) {
+                     const PmModel* initial_model) {
     const StandardArithmetic mode;
     if (const auto valid = validate(observations, options); !valid) return valid.error();
     Reporter reporter(progress, planned_work(observations, options).total());
     PmFit done;
     on_threads(options.threads, [&] {
-        StagedSearch search(observations, options, begin, reporter);
+        StagedSearch search(observations, options, initial_model, reporter);
         done = observations.views.empty() ? search.by_pairs() : search.by_pictures();
     });
     return done;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -18,7 +18,7 @@ struct PmFitOptions {
     bool axial = true;  ///< only centres at +z or −z, sufficient for isotropic data
     int lobes = 8;      ///< J, 1..k_max_fitted_lobes
     int variates = 4;   ///< N, 1..k_max_variates
-    /// Upper bound 1/finest² on bandwidths, and 1/finest [1/rad] on the other weights; 0: the range of 16-bit floats.
+    /// Upper bound 1/finest² on bandwidths, and 1/finest [1/rad] on other exponents; 0: the range of 16-bit floats.
     double finest = 0;
     /// Number of starts: independent growths of J lobes. The stages in fit_pm.cpp say how many of them continue. None:
     /// `starts_of`.
@@ -47,11 +47,11 @@ struct PmFit : Fitted<PmModel> {
 /// parameterizations the coefficients solve a non-negative linear problem. Levenberg-Marquardt minimises the remaining
 /// residual over the other parameters (Kaufman 1975). Lobes are grown one by one. Spectral observations are first
 /// fitted by their colours; these lobes and colours remain, and the lobes then get spectra. Details: docs/fitting.md.
-/// If `begin` is given, there is no search: its lobes are polished, after it has grown to `lobes` of them. It must have
-/// this form and number of variates, and no more lobes. Returns an error if options are out of range, observations
-/// fewer than parameters, or values not finite.
+/// If `initial_model` is given, there is no search: its lobes are polished, after it has grown to `lobes` of them. It
+/// must have this form and number of variates, and no more lobes. Returns an error if options are out of range,
+/// observations fewer than parameters, or values not finite.
 Result<PmFit> fit_pm(const Observations& observations, const PmFitOptions& options, const ProgressToken& progress = {},
-                     const PmModel* begin = nullptr);
+                     const PmModel* initial_model = nullptr);
 
 /// Fits spectra to the observations for the lobes of `fit`, a fit to their colours or to the gap-filled table. Lobes
 /// and colours remain.
@@ -97,4 +97,4 @@ inline std::size_t parameter_count(const PmFitOptions& options) {
     return std::size_t(options.lobes * (3 + shape_of(options).width()) + 2 * options.variates);
 }
 
-}  // namespace srbf
+}  // namespace

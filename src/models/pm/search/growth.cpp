@@ -47,7 +47,7 @@ void replace_lobe(LobeProblem& problem, const PmFitOptions& options, Candidate& 
     keep_if_better(problem, candidate, with_best_lobe(problem, std::move(lobes), options, random));
 }
 
-/// Replaces the least useful variate: its weights become 0, its parameterization random. Steps alone rarely rotate
+/// Replaces the least useful variate: its parameters become 0, its parameterization random. Steps alone rarely rotate
 /// a parameterization far, because no lobe fits in between.
 void replace_variate(LobeProblem& problem, Candidate& candidate, std::mt19937_64& random) {
     std::vector<Lobes> reduced;
@@ -99,4 +99,4 @@ void polish(LobeProblem& problem, const PmFitOptions& options, int steps, Candid
         replace_lobe(problem, options, candidate, random);
 }
 
-}  // namespace srbf
+}  // namespace

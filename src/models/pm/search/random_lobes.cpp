@@ -8,26 +8,26 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// This fraction of random lobes are copies of an existing lobe, whose weights are multiplied by up to e and shifted by
-/// up to 2.
+/// This fraction of random lobes are copies of an existing lobe, whose parameters are multiplied by up to e and shifted
+/// by up to 2.
 constexpr double k_copies = 0.25, k_log_stretch = 1, k_shift = 2;
 
-/// Distribution of a weight: 0 with probability `zero`, otherwise log-uniform between `min` and `factor` times
+/// Distribution of a parameter: 0 with probability `zero`, otherwise log-uniform between `min` and `factor` times
 /// that, negative with probability `negative`.
-struct WeightDistribution {
+struct ParameterDistribution {
     double zero, min, factor, negative;
 };
-/// Bandwidths, and exponent weights that may form peaks. A bandwidth of 0.3 hardly changes over the sphere; the
+/// Bandwidths, and exponent parameters that may form peaks. A bandwidth of 0.3 hardly changes over the sphere; the
 /// largest one fits 16-bit floats. A factor that rises away from its pole needs no more than `k_steepest`.
-constexpr WeightDistribution k_sharp{0.35, 0.3, 2e5, 0.3};
+constexpr ParameterDistribution k_sharp{0.35, 0.3, 2e5, 0.3};
 constexpr double k_steepest = 100;
-/// Other exponent weights, over the range in which they have an effect.
-constexpr WeightDistribution k_broad{0.5, 0.1, 100, 0.5};
+/// Other exponent parameters, over the range in which they have an effect.
+constexpr ParameterDistribution k_broad{0.5, 0.1, 100, 0.5};
 /// Fraction of general centres that are poles; the others are uniform on the sphere.
 constexpr double k_poles = 0.5;
 
 /// Draws three random numbers in a fixed order, whatever the compiler.
-double sample_weight(const WeightDistribution& distribution, double steepest, std::mt19937_64& random) {
+double sample_parameter(const ParameterDistribution& distribution, double steepest, std::mt19937_64& random) {
     const double chance = uniform(random),
                  size = distribution.min * elementary::pow(distribution.factor, uniform(random)),
                  sign = uniform(random);
@@ -50,39 +50,39 @@ Lobes initial_parameterizations(const LobeShape& shape, int start, std::mt19937_
 
 std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes) {
     const LobeShape& shape = lobes.shape;
-    const auto clamp_weight = [&](double w, int i) {
-        const Interval range = weight_range(i, shape);
+    const auto clamp_parameter = [&](double w, int i) {
+        const Interval range = parameter_range(i, shape);
         return std::clamp(w, range.min, range.max);
     };
     if (lobes.count() > 0 && uniform(random) < k_copies) {
-        const auto parent = lobes.weights_of(int(uniform(random) * lobes.count()));
-        std::vector<double> weight(parent.begin(), parent.end());
+        const auto parent = lobes.parameters_of(int(uniform(random) * lobes.count()));
+        std::vector<double> parameter(parent.begin(), parent.end());
         for (int i = 0; i < shape.width(); ++i) {
-            double& w = weight[std::size_t(i)];
+            double& w = parameter[std::size_t(i)];
             const double scale = uniform(random), shift = uniform(random);  // a fixed order, whatever the compiler
-            w = clamp_weight(w * elementary::exp(k_log_stretch * (2 * scale - 1)) + k_shift * (2 * shift - 1), i);
+            w = clamp_parameter(w * elementary::exp(k_log_stretch * (2 * scale - 1)) + k_shift * (2 * shift - 1), i);
         }
-        return weight;
+        return parameter;
     }
-    std::vector<double> weight;
-    const auto sharp = [&] { return sample_weight(k_sharp, k_steepest, random); };
-    const auto broad = [&] { return sample_weight(k_broad, k_broad.min * k_broad.factor, random); };
+    std::vector<double> parameter;
+    const auto sharp = [&] { return sample_parameter(k_sharp, k_steepest, random); };
+    const auto broad = [&] { return sample_parameter(k_broad, k_broad.min * k_broad.factor, random); };
     for (int n = 0; n < shape.variates; ++n) {
         const double p = sharp();
         if (shape.axial) {
-            weight.push_back(clamp_weight(p, int(weight.size())));
+            parameter.push_back(clamp_parameter(p, int(parameter.size())));
             continue;
         }
         const double chance = uniform(random), z = 2 * uniform(random) - 1, phi = 2 * k_pi * uniform(random);
         const Vec3d centre = chance < k_poles ? Vec3d(0, 0, 1) : spherical(elementary::acos(z), phi);
         for (const double component : {centre.x, centre.y, centre.z})
-            weight.push_back(clamp_weight(p * component, int(weight.size())));
+            parameter.push_back(clamp_parameter(p * component, int(parameter.size())));
     }
     for (int k = 0; k < features(shape.form); ++k) {
         const double w = broad();
-        weight.push_back(clamp_weight(k_terms[std::size_t(k)].is_sharp ? sharp() : w, int(weight.size())));
+        parameter.push_back(clamp_parameter(k_terms[std::size_t(k)].is_sharp ? sharp() : w, int(parameter.size())));
     }
-    return weight;
+    return parameter;
 }
 
 std::mt19937_64 generator(std::uint64_t seed, int start, int stream) {
@@ -97,21 +97,21 @@ std::vector<std::vector<double>> random_candidates(std::mt19937_64& random, cons
 }
 
 Lobes with_lobe(Lobes lobes, const std::vector<double>& lobe) {
-    lobes.weight.insert(lobes.weight.end(), lobe.begin(), lobe.end());
-    if (lobe.empty()) lobes.weight.insert(lobes.weight.end(), std::size_t(lobes.shape.width()), 0.0);
+    lobes.parameter.insert(lobes.parameter.end(), lobe.begin(), lobe.end());
+    if (lobe.empty()) lobes.parameter.insert(lobes.parameter.end(), std::size_t(lobes.shape.width()), 0.0);
     return lobes;
 }
 
 Lobes without_lobe(Lobes lobes, std::ptrdiff_t j) {
-    const auto begin = lobes.weight.begin() + j * lobes.shape.width();
-    lobes.weight.erase(begin, begin + lobes.shape.width());
+    const auto begin = lobes.parameter.begin() + j * lobes.shape.width();
+    lobes.parameter.erase(begin, begin + lobes.shape.width());
     return lobes;
 }
 
 Lobes with_variate_zeroed(Lobes lobes, int n) {
-    const int C = lobes.shape.components();
-    for (int j = 0; j < lobes.count(); ++j) std::fill_n(lobes.weight.begin() + j * lobes.shape.width() + n * C, C, 0.0);
+    const int D = lobes.shape.components(), W = lobes.shape.width();
+    for (int j = 0; j < lobes.count(); ++j) std::fill_n(lobes.parameter.begin() + j * W + n * D, D, 0.0);
     return lobes;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -45,7 +45,7 @@ std::mt19937_64 generator(std::uint64_t seed, int start, int stream);
 /// by up to a radian, because some optima are far from both, and with three variates the last is the half vector.
 Lobes initial_parameterizations(const LobeShape& shape, int start, std::mt19937_64& random);
 
-/// A random lobe. Its weights are log-uniform with either sign, and some are 0; or it is a perturbed copy of one of
+/// A random lobe. Its parameters are log-uniform with either sign, and some are 0; or it is a perturbed copy of one of
 /// `lobes`. Half of the general centres are poles, the others are uniform on the sphere.
 std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes);
 
@@ -54,10 +54,10 @@ inline constexpr int k_additions = 256;
 
 /// `count` random candidates for an additional lobe.
 std::vector<std::vector<double>> random_candidates(std::mt19937_64& random, const Lobes& lobes, int count);
-/// The lobes with `lobe` added, or with a lobe of weights 0 if `lobe` is empty.
+/// The lobes with `lobe` added, or with a lobe of parameters 0 if `lobe` is empty.
 Lobes with_lobe(Lobes lobes, const std::vector<double>& lobe);
 Lobes without_lobe(Lobes lobes, std::ptrdiff_t j);
-/// The lobes with the weights of variate n set to 0.
+/// The lobes with the parameters of variate n set to 0.
 Lobes with_variate_zeroed(Lobes lobes, int n);
 
-}  // namespace srbf
+}  // namespace

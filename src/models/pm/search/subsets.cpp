@@ -76,31 +76,31 @@ double Subsets::integral_importance() const {
 
 double Subsets::picture_importance(const Candidate& candidate) const {
     constexpr double k_negligible = 1e-9, k_min_delta_e = 1e-3;
-    const PackedObservations seen = rows(Pairs::selection, {.pictures = k_negligible});
+    const PackedObservations seen = rows(RowSet::selection, {.pictures = k_negligible});
     LobeProblem problem(seen, candidate.lobes.shape, true);
     problem.loss(pack(candidate.lobes));
     return k_pixels * loss_ / std::max(problem.delta_e(), k_min_delta_e);
 }
 
-const Observations& Subsets::observations(Pairs pairs) const {
+const Observations& Subsets::observations(RowSet pairs) const {
     switch (pairs) {
-        case Pairs::search:
+        case RowSet::search:
             return search_.observations;
-        case Pairs::selection:
+        case RowSet::selection:
             return selection_.observations;
-        case Pairs::polish:
+        case RowSet::polish:
             return polish_.observations;
-        case Pairs::all:
+        case RowSet::all:
             break;
     }
     return all_;
 }
 
-PackedObservations Subsets::rows(Pairs pairs, const FurtherTerms& terms) const {
+PackedObservations Subsets::rows(RowSet pairs, const FurtherTerms& terms) const {
     return PackedObservations(observations(pairs),
                               {.integral_importance = terms.albedos ? integral_importance() : 0,
-                               .subsampled_integrals = pairs == Pairs::search || pairs == Pairs::selection,
+                               .subsampled_integrals = pairs == RowSet::search || pairs == RowSet::selection,
                                .picture_importance = terms.pictures});
 }
 
-}  // namespace srbf
+}  // namespace

@@ -11,7 +11,7 @@ inline constexpr std::size_t k_search_pairs = 2048, k_selection_pairs = 4096, k_
 /// The first pairs that are rows: few in a search with many candidates, more afterwards, more in the polish, or all.
 /// Pictures are observed beside `selection` and `all`. A quick fit, with fewer observations than another's polish,
 /// uses `selection` instead of `search`, because its first candidates are its only ones.
-enum class Pairs { search, selection, polish, all };
+enum class RowSet { search, selection, polish, all };
 
 /// The terms of a loss besides the pairs.
 struct FurtherTerms {
@@ -30,7 +30,7 @@ class Subsets {
     /// measurement. Updates the loss to which the weight of integrals is relative.
     void add_exceeded_pairs(const std::vector<Candidate>& candidates, const LobeShape& shape);
 
-    PackedObservations rows(Pairs pairs, const FurtherTerms& terms) const;
+    PackedObservations rows(RowSet pairs, const FurtherTerms& terms) const;
 
     /// The increase of the sum if every integral differs by its luminance in one of three channels.
     double integral_importance() const;
@@ -43,11 +43,11 @@ class Subsets {
         std::size_t begin;  ///< number of initial observations from `all_`; the others were added
     };
     Subset first_pairs_of(std::size_t pairs) const;
-    const Observations& observations(Pairs pairs) const;
+    const Observations& observations(RowSet pairs) const;
 
     const Observations& all_;
     Subset search_, selection_, polish_;
     double largest_, loss_ = 1;
 };
 
-}  // namespace srbf
+}  // namespace

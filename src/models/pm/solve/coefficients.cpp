@@ -75,4 +75,4 @@ std::vector<Eigen::Index> Coefficients::free(Eigen::Index c) const {
     return free;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -27,4 +27,4 @@ struct Coefficients {
                    double& pixel_term, CoefficientTerms& terms) const;
 };
 
-}  // namespace srbf
+}  // namespace

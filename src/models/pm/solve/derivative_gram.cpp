@@ -41,7 +41,7 @@ double DerivativeGram::angles(Eigen::Index n, Eigen::Index m) const {
     return columns_.unit * columns_.unit * sum;
 }
 
-double DerivativeGram::angle_and_weight(Eigen::Index n, Eigen::Index j, Eigen::Index i) const {
+double DerivativeGram::angle_and_parameter(Eigen::Index n, Eigen::Index j, Eigen::Index i) const {
     double sum = 0;
     for (Eigen::Index s = 0; s < S_; ++s)
         sum += columns_.beta.row(j).dot(columns_.channels.col(s)) * G_(angle(s, n), lobe(j, 1 + i));
@@ -55,7 +55,7 @@ double DerivativeGram::residual_and_angle(Eigen::Index n) const {
     return columns_.unit * sum;
 }
 
-double DerivativeGram::residual_and_weight(Eigen::Index j, Eigen::Index i) const {
+double DerivativeGram::residual_and_parameter(Eigen::Index j, Eigen::Index i) const {
     double sum = 0;
     for (Eigen::Index c = 0; c < channels_; ++c) sum += columns_.beta(j, c) * G_(residual(c), lobe(j, 1 + i));
     return columns_.unit * sum;
@@ -94,22 +94,22 @@ void DerivativeGram::fill_columns(std::size_t block, Aligned<float>& memory, std
 void DerivativeGram::fill_angle(std::size_t block, Eigen::Index n, Aligned<float>& memory) const {
     const std::size_t count = basis_.rows().rows_in(block);
     float* const product = &memory[std::size_t(size()) * k_block];
-    const int C = basis_.shape().components();
-    std::vector<float> weights(static_cast<std::size_t>(J_));
-    std::vector<const float*> parts(weights.size());
+    const int D = basis_.shape().components();
+    std::vector<float> factors(static_cast<std::size_t>(J_));
+    std::vector<const float*> parts(factors.size());
     for (Eigen::Index s = 0; s < S_; ++s) {
         float* const column = &memory[std::size_t(angle(s, n)) * k_block];
         std::fill_n(column, count, 0.f);
         for (int order = 0; order < basis_.shape().orders(); ++order)
-            for (Eigen::Index k = n * C; k < (n + 1) * C; ++k) {
+            for (Eigen::Index k = n * D; k < (n + 1) * D; ++k) {
                 for (Eigen::Index j = 0; j < J_; ++j) {
-                    weights[std::size_t(j)] = float(columns_.lobes(s, j) * x_[N_ + j * W_ + k]);
+                    factors[std::size_t(j)] = float(columns_.lobes(s, j) * x_[N_ + j * W_ + k]);
                     parts[std::size_t(j)] = basis_.summand(block, int(j), order);
                 }
-                combine_and_multiply(weights, parts, basis_.by_angle(block, int(k), order), product, count);
+                combine_and_multiply(factors, parts, basis_.by_angle(block, int(k), order), product, count);
                 add(column, product, column, count);
             }
     }
 }
 
-}  // namespace srbf
+}  // namespace

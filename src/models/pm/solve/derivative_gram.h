@@ -15,8 +15,8 @@ struct AngleColumns {
 
 /// Sums over rows that make up the Hessian and the gradient: for pairs sums of the products of derivatives and
 /// residuals, for integrals products of their sums. The columns that are multiplied with one another are E_j and its
-/// derivatives E_j s_i by its weights, for each lobe; those of angles; and the residuals r_c. The derivative by angle n
-/// is −A_nc in channel c, A_nc = Σ_j β_jc E_j p_jn·∂ψ_n/∂angle, a combination of S columns: see `AngleColumns`.
+/// derivatives E_j s_i by its parameters, for each lobe; those of angles; and the residuals r_c. The derivative by
+/// angle n is −A_nc in channel c, A_nc = Σ_j β_jc E_j p_jn·∂ψ_n/∂angle, a combination of S columns: see `AngleColumns`.
 class DerivativeGram {
   public:
     /// Computes the sums for the lobes that `basis` has evaluated at x. `beta` holds their coefficients, J ×
@@ -28,12 +28,12 @@ class DerivativeGram {
     double product(Eigen::Index j, Eigen::Index i, Eigen::Index k, Eigen::Index l) const {
         return G_(lobe(j, i), lobe(k, l));
     }
-    /// Entries of the Hessian for angles n and m, and for angle n and weight i of lobe j; and minus half of the
+    /// Entries of the Hessian for angles n and m, and for angle n and parameter i of lobe j; and minus half of the
     /// gradient's.
     double angles(Eigen::Index n, Eigen::Index m) const;
-    double angle_and_weight(Eigen::Index n, Eigen::Index j, Eigen::Index i) const;
+    double angle_and_parameter(Eigen::Index n, Eigen::Index j, Eigen::Index i) const;
     double residual_and_angle(Eigen::Index n) const;
-    double residual_and_weight(Eigen::Index j, Eigen::Index i) const;
+    double residual_and_parameter(Eigen::Index j, Eigen::Index i) const;
     /// A_nc · E_k, and r_c · E_j.
     double angle_and_lobe(Eigen::Index n, Eigen::Index c, Eigen::Index k) const;
     Eigen::VectorXd residual_and_lobes(Eigen::Index c) const;
@@ -58,4 +58,4 @@ class DerivativeGram {
     Eigen::MatrixXd G_;
 };
 
-}  // namespace srbf
+}  // namespace

@@ -37,7 +37,7 @@ void LobeBasis::evaluate(const Eigen::VectorXd& x) {
     const auto J = std::size_t(count_);
     const std::size_t columns = rows_.total_blocks() * J * k_block;
     lobe_.resize(columns), summand_.resize(shape_.orders() == 1 ? 0 : 2 * columns);
-    const Eigen::VectorXf weight = x.tail(Eigen::Index(J * W)).cast<float>();
+    const Eigen::VectorXf lobe_x = x.tail(Eigen::Index(J * W)).cast<float>();
 
     std::vector<std::vector<float>> largest(rows_.total_chunks(), std::vector<float>(J, k_lowest));
     rows_.for_chunks(rows_.total_chunks(), parallel_, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
@@ -48,7 +48,7 @@ void LobeBasis::evaluate(const Eigen::VectorXd& x) {
                 for (std::size_t n = 0; n < W; ++n) s[n] = factor(block, int(n), order);
                 for (std::size_t j = 0; j < J; ++j)
                     largest[chunk][j] = std::max(
-                        largest[chunk][j], exponent({weight.data() + j * W, W}, s, &rows_.root_weight[block * k_block],
+                        largest[chunk][j], exponent({lobe_x.data() + j * W, W}, s, &rows_.root_weight[block * k_block],
                                                     summand(block, int(j), order), rows_.rows_in(block)));
             }
         }
@@ -75,4 +75,4 @@ void LobeBasis::exponentiate_lobe(std::size_t block, int j) {
     if (shape_.orders() == 2) add(summand(block, j, 0), summand(block, j, 1), lobe(block, j), count);
 }
 
-}  // namespace srbf
+}  // namespace

@@ -5,7 +5,7 @@
 
 namespace SRBF_NAMESPACE {
 
-/// The values √w E_j of lobes on all rows, and the factors of their derivatives: E_j s_i with respect to weight i
+/// The values √w E_j of lobes on all rows, and the factors of their derivatives: E_j s_i with respect to parameter i
 /// of lobe j, and Σ_j E_j p_jn·∂ψ_n/∂angle with respect to angle n. Each is a sum over the orders of the shape.
 class LobeBasis {
   public:
@@ -21,13 +21,13 @@ class LobeBasis {
     float* summand(std::size_t block, int j, int order) {
         return shape_.orders() == 1 ? lobe(block, j) : column(summand_, block, 2 * count_, order * count_ + j);
     }
-    /// s_i of weight i.
+    /// s_i of parameter i.
     float* factor(std::size_t block, int i, int order = 0) {
         return column(factor_, block, shape_.orders() * factors(), order * factors() + i);
     }
-    /// ∂(ψ−ẑ)/∂angle, in the order of the weights of variates.
+    /// ∂(ψ−ẑ)/∂angle, in the order of the parameters of variates.
     float* by_angle(std::size_t block, int k, int order = 0) { return factor(block, shape_.width() + k, order); }
-    /// Factors of weights and angles: W + N C.
+    /// Factors of parameters and angles: W + N D.
     int factors() const { return shape_.width() + shape_.directional(); }
     const std::vector<double>& offset() const { return offset_; }  ///< o_j
 
@@ -48,8 +48,8 @@ class LobeBasis {
     LobeShape shape_;
     bool parallel_;
     int count_ = 0;
-    Aligned<float> lobe_, summand_, factor_;  ///< blocks × (J, 2 J or none, orders × (W + N C)) × k_block
+    Aligned<float> lobe_, summand_, factor_;  ///< blocks × (J, 2 J or none, orders × (W + N D)) × k_block
     std::vector<double> offset_;
 };
 
-}  // namespace srbf
+}  // namespace

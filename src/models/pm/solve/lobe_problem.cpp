@@ -28,7 +28,7 @@ Eigen::VectorXd LobeProblem::bounds(Eigen::Index size, double Interval::*bound) 
     Eigen::VectorXd b(size);
     b.head(shape_.variates).setConstant(angles.*bound);
     for (Eigen::Index i = shape_.variates; i < size; ++i)
-        b[i] = weight_range(int(i - shape_.variates) % shape_.width(), shape_).*bound;
+        b[i] = parameter_range(int(i - shape_.variates) % shape_.width(), shape_).*bound;
     return b;
 }
 
@@ -68,7 +68,7 @@ void LobeProblem::limit_coefficients(const Eigen::VectorXd& x) {
 }
 
 double LobeProblem::log_unit(const Lobes& lobes, int j) const {
-    return elementary::log(scale()) + log_peak_factor(lobes.weights_of(j), shape_, offset()[std::size_t(j)]);
+    return elementary::log(scale()) + log_peak_factor(lobes.parameters_of(j), shape_, offset()[std::size_t(j)]);
 }
 
 double LobeProblem::loss_with_residuals() {
@@ -98,8 +98,8 @@ double LobeProblem::loss_with_residuals() {
     return total;
 }
 
-// The derivative of the residual of channel c is −β_jc E_j s_i with respect to weight i of lobe j, where s_i is the
-// factor of the weight, and −A_nc with respect to angle n, A_nc = Σ_j β_jc E_j p_jn·∂ψ_n/∂angle. A coefficient
+// The derivative of the residual of channel c is −β_jc E_j s_i with respect to parameter i of lobe j, where s_i is the
+// factor of the parameter, and −A_nc with respect to angle n, A_nc = Σ_j β_jc E_j p_jn·∂ψ_n/∂angle. A coefficient
 // strictly between its bounds adapts, so that only the component of the derivatives orthogonal to the free lobes counts
 // (Kaufman's approximation). The others are constants, although their upper bound depends on the lobe.
 void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
@@ -130,18 +130,18 @@ void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen:
 
 void LobeProblem::fill_derivatives(const DerivativeGram& sums, Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
     const Eigen::Index J = basis_.count(), N = shape_.variates, W = shape_.width();
-    const auto weight = [&](Eigen::Index j, Eigen::Index i) { return N + j * W + i; };
+    const auto parameter = [&](Eigen::Index j, Eigen::Index i) { return N + j * W + i; };
     const Eigen::MatrixXd beta_products = beta() * beta().transpose();
     for (Eigen::Index k = 0; k < J; ++k)
         for (Eigen::Index l = 0; l < W; ++l)
             for (Eigen::Index j = 0; j < J; ++j)
                 for (Eigen::Index i = 0; i < W; ++i)
-                    H(weight(j, i), weight(k, l)) = beta_products(j, k) * sums.product(j, 1 + i, k, 1 + l);
+                    H(parameter(j, i), parameter(k, l)) = beta_products(j, k) * sums.product(j, 1 + i, k, 1 + l);
     for (Eigen::Index j = 0; j < J; ++j)
         for (Eigen::Index i = 0; i < W; ++i) {
             for (Eigen::Index n = 0; n < N; ++n)
-                H(n, weight(j, i)) = H(weight(j, i), n) = sums.angle_and_weight(n, j, i);
-            g[weight(j, i)] = -sums.residual_and_weight(j, i);
+                H(n, parameter(j, i)) = H(parameter(j, i), n) = sums.angle_and_parameter(n, j, i);
+            g[parameter(j, i)] = -sums.residual_and_parameter(j, i);
         }
     for (Eigen::Index n = 0; n < N; ++n) {
         for (Eigen::Index m = 0; m < N; ++m) H(n, m) = sums.angles(n, m);
@@ -199,7 +199,7 @@ Eigen::MatrixXd LobeProblem::products_with_candidates(std::span<const std::vecto
     const auto candidate = [&](std::size_t k, std::size_t block) { return &values[(k * blocks + block) * k_block]; };
     std::vector<const float*> factors, rows, columns;
     for (std::size_t k = 0; k < candidates.size(); ++k) {
-        const std::vector<float> weight(candidates[k].begin(), candidates[k].end());
+        const std::vector<float> parameter(candidates[k].begin(), candidates[k].end());
         const auto part = [&](std::size_t block, int order) {
             return order == 0 ? candidate(k, block) : &other_order[block * k_block];
         };
@@ -208,7 +208,7 @@ Eigen::MatrixXd LobeProblem::products_with_candidates(std::span<const std::vecto
             for (int order = 0; order < shape_.orders(); ++order) {
                 factors.clear();
                 for (int n = 0; n < shape_.width(); ++n) factors.push_back(basis_.factor(block, n, order));
-                offset = std::max(offset, exponent(weight, factors, &rows_.root_weight[block * k_block],
+                offset = std::max(offset, exponent(parameter, factors, &rows_.root_weight[block * k_block],
                                                    part(block, order), rows_.rows_in(block)));
             }
         double sum = 0;
@@ -233,4 +233,4 @@ Eigen::MatrixXd LobeProblem::products_with_candidates(std::span<const std::vecto
     return products;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -6,7 +6,7 @@
 namespace SRBF_NAMESPACE {
 
 /// Σ w |f − Σ_j β_j E_j|² over C channels and the rows of pairs, plus the squares of the sums of integrals, plus
-/// the term of pixels if the rows have views. The variables are x = (angles, weights); the `Coefficients` β are
+/// the term of pixels if the rows have views. The variables are x = (angles, parameters); the `Coefficients` β are
 /// eliminated.
 class LobeProblem {
   public:
@@ -17,7 +17,7 @@ class LobeProblem {
     void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g);
     Eigen::VectorXd lower(const Eigen::VectorXd& x) const { return bounds(x.size(), &Interval::min); }
     Eigen::VectorXd upper(const Eigen::VectorXd& x) const { return bounds(x.size(), &Interval::max); }
-    /// Step bounds: half a weight plus 2, and half a radian, so that a lobe without effect at present does not
+    /// Step bounds: half a parameter plus 2, and half a radian, so that a lobe without effect at present does not
     /// diverge.
     Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const;
 
@@ -66,4 +66,4 @@ class LobeProblem {
     Coefficients coefficients_;
 };
 
-}  // namespace srbf
+}  // namespace

@@ -9,18 +9,18 @@
 namespace SRBF_NAMESPACE {
 
 Eigen::VectorXd pack(const Lobes& lobes) {
-    Eigen::VectorXd x(Eigen::Index(lobes.angle.size() + lobes.weight.size()));
+    Eigen::VectorXd x(Eigen::Index(lobes.angle.size() + lobes.parameter.size()));
     std::copy(lobes.angle.begin(), lobes.angle.end(), x.begin());
-    std::copy(lobes.weight.begin(), lobes.weight.end(), x.begin() + Eigen::Index(lobes.angle.size()));
+    std::copy(lobes.parameter.begin(), lobes.parameter.end(), x.begin() + Eigen::Index(lobes.angle.size()));
     return x;
 }
 
 Lobes unpack(const Eigen::VectorXd& x, const LobeShape& shape) {
-    const auto weights = x.begin() + shape.variates;
-    return {shape, {x.begin(), weights}, {weights, x.end()}};
+    const auto parameters = x.begin() + shape.variates;
+    return {shape, {x.begin(), parameters}, {parameters, x.end()}};
 }
 
-Interval weight_range(int n, const LobeShape& shape) {
+Interval parameter_range(int n, const LobeShape& shape) {
     const auto at_most = [&](double spacing_limit) {
         return shape.finest > 0 ? std::min(double(k_half_max), spacing_limit) : double(k_half_max);
     };
@@ -35,19 +35,19 @@ Interval weight_range(int n, const LobeShape& shape) {
     return {-component, component};
 }
 
-double log_peak_factor(std::span<const double> weights, const LobeShape& shape, double offset) {
+double log_peak_factor(std::span<const double> parameters, const LobeShape& shape, double offset) {
     double log_factor = elementary::log(double(shape.orders())) - offset;
     for (int n = 0; n < shape.variates; ++n) {
-        const Vec3d p = vector_of(weights, shape, n);
+        const Vec3d p = vector_of(parameters, shape, n);
         log_factor += elementary::hypot(p.x, p.y, p.z) - p.z;
     }
     return log_factor;
 }
 
-Vec3d vector_of(std::span<const double> weights, const LobeShape& shape, int n) {
-    if (shape.axial) return {0, 0, weights[std::size_t(n)]};
-    const double* p = &weights[std::size_t(3 * n)];
+Vec3d vector_of(std::span<const double> parameters, const LobeShape& shape, int n) {
+    if (shape.axial) return {0, 0, parameters[std::size_t(n)]};
+    const double* p = &parameters[std::size_t(3 * n)];
     return {p[0], p[1], p[2]};
 }
 
-}  // namespace srbf
+}  // namespace

@@ -14,8 +14,8 @@ struct LobeShape {
     bool axial = true;  ///< only centres at +z or −z
     double finest = 0;  ///< least width of any factor of a lobe [rad]; 0: the limit of 16-bit floats
 
-    int components() const { return axial ? 1 : 3; }             ///< C: weights per variate
-    int directional() const { return variates * components(); }  ///< weights of all variates of a lobe
+    int components() const { return axial ? 1 : 3; }             ///< D: parameters per variate
+    int directional() const { return variates * components(); }  ///< parameters of all variates of a lobe
     int width() const { return directional() + features(form); }
     /// Number of orders of the directions in which a lobe is evaluated: (ωl, ωv), and (ωv, ωl) if the form is
     /// reciprocal.
@@ -28,14 +28,14 @@ struct LobeShape {
 /// only the third component of p_jn. A reciprocal lobe is the sum of two such lobes, at (ωl, ωv) and at (ωv, ωl).
 struct Lobes {
     LobeShape shape;
-    std::vector<double> angle;   ///< N: (a_n, b_n) = (cos, sin)
-    std::vector<double> weight;  ///< J × (N C + F): p_j1, …, p_jN, κ_j1, …
-    int count() const { return shape.variates ? int(weight.size()) / shape.width() : 0; }
-    std::span<const double> weights_of(int j) const {
-        return {weight.data() + std::size_t(j * shape.width()), std::size_t(shape.width())};
+    std::vector<double> angle;      ///< N: (a_n, b_n) = (cos, sin)
+    std::vector<double> parameter;  ///< J × (N D + F): p_j1, …, p_jN, κ_j1, …
+    int count() const { return shape.variates ? int(parameter.size()) / shape.width() : 0; }
+    std::span<const double> parameters_of(int j) const {
+        return {parameter.data() + std::size_t(j * shape.width()), std::size_t(shape.width())};
     }
 };
-/// Conversion between lobes and the variables of a fit, x = (angles, weights).
+/// Conversion between lobes and the variables of a fit, x = (angles, parameters).
 Eigen::VectorXd pack(const Lobes& lobes);
 Lobes unpack(const Eigen::VectorXd& x, const LobeShape& shape);
 
@@ -43,13 +43,13 @@ Lobes unpack(const Eigen::VectorXd& x, const LobeShape& shape);
 struct Interval {
     double min, max;
 };
-/// The range of weight n of a lobe.
-Interval weight_range(int n, const LobeShape& shape);
+/// The range of parameter n of a lobe.
+Interval parameter_range(int n, const LobeShape& shape);
 
-/// p_n from the weights of a lobe.
-Vec3d vector_of(std::span<const double> weights, const LobeShape& shape, int n);
+/// p_n from the parameters of a lobe.
+Vec3d vector_of(std::span<const double> parameters, const LobeShape& shape, int n);
 /// Log of the factor that converts β_j in a problem's units to the coefficient of a lobe with peak 1; `offset`:
 /// o_j.
-double log_peak_factor(std::span<const double> weights, const LobeShape& shape, double offset);
+double log_peak_factor(std::span<const double> parameters, const LobeShape& shape, double offset);
 
-}  // namespace srbf
+}  // namespace

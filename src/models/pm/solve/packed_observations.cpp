@@ -122,4 +122,4 @@ Eigen::MatrixXd products_of_columns(const PackedObservations& rows, std::size_t 
     return G.selfadjointView<Eigen::Upper>();
 }
 
-}  // namespace srbf
+}  // namespace

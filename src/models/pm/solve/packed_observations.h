@@ -96,4 +96,4 @@ void variate_features(const PackedObservations& rows, std::size_t block, int ord
 /// numbers.
 void further_features(const PackedObservations& rows, std::size_t block, int count, float* features);
 
-}  // namespace srbf
+}  // namespace

@@ -172,4 +172,4 @@ PixelTerm::AddByLobe PixelMoments::derivatives(const Eigen::VectorXd& x) {
     };
 }
 
-}  // namespace srbf
+}  // namespace

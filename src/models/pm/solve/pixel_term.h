@@ -82,4 +82,4 @@ class PixelMoments {
     Aligned<float> moment_;  ///< blocks of pixels × columns × k_block
 };
 
-}  // namespace srbf
+}  // namespace

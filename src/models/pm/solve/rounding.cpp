@@ -38,10 +38,10 @@ PmModel without_coefficients(const Lobes& lobes) {
     for (const double angle : lobes.angle)
         model.parameterization.push_back({float(elementary::cos(angle)), float(elementary::sin(angle))});
     for (int j = 0; j < model.lobes; ++j) {
-        for (const double kappa : lobes.weights_of(j).subspan(std::size_t(shape.directional())))
+        for (const double kappa : lobes.parameters_of(j).subspan(std::size_t(shape.directional())))
             model.exponent.push_back(float(kappa));
         for (int n = 0; n < model.variates; ++n) {
-            const Vec3d p = vector_of(lobes.weights_of(j), shape, n);
+            const Vec3d p = vector_of(lobes.parameters_of(j), shape, n);
             const double bandwidth = elementary::hypot(p.x, p.y, p.z);
             model.centre.push_back(bandwidth > 0 ? to_float((1 / bandwidth) * p) : Vec3f(0, 0, 1));
             model.bandwidth.push_back(float(bandwidth));
@@ -142,10 +142,10 @@ Lobes to_lobes(const PmModel& model, const LobeShape& shape) {
             const Vec3f xi = model.centre[i];
             const double bandwidth = double(model.bandwidth[i]);
             if (!model.axial)
-                lobes.weight.insert(lobes.weight.end(), {bandwidth * double(xi.x), bandwidth * double(xi.y)});
-            lobes.weight.push_back(bandwidth * double(xi.z));
+                lobes.parameter.insert(lobes.parameter.end(), {bandwidth * double(xi.x), bandwidth * double(xi.y)});
+            lobes.parameter.push_back(bandwidth * double(xi.z));
         }
-        for (std::size_t i = j * F; i < (j + 1) * F; ++i) lobes.weight.push_back(double(model.exponent[i]));
+        for (std::size_t i = j * F; i < (j + 1) * F; ++i) lobes.parameter.push_back(double(model.exponent[i]));
     }
     return lobes;
 }
@@ -172,4 +172,4 @@ Lobes round_lobes(LobeProblem& problem, const Lobes& lobes, double unrounded) {
     return best;
 }
 
-}  // namespace srbf
+}  // namespace

@@ -27,4 +27,4 @@ Lobes to_lobes(const PmModel& model, const LobeShape& shape);
 /// loss, to second order (Babai 1986, nearest plane).
 Lobes round_lobes(LobeProblem& problem, const Lobes& lobes, double unrounded);
 
-}  // namespace srbf
+}  // namespace

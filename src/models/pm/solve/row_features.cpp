@@ -45,7 +45,7 @@ void further_features(const PackedObservations& rows, std::size_t block, int cou
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace srbf
+}  // namespace
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
@@ -62,5 +62,5 @@ void further_features(const PackedObservations& rows, std::size_t block, int cou
     HWY_DYNAMIC_DISPATCH(further_features)(rows, block, count, features);
 }
 
-}  // namespace srbf
+}  // namespace
 #endif

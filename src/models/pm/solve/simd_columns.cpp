@@ -207,7 +207,7 @@ void add_products(std::span<const float* const> rows, std::span<const float* con
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace srbf
+}  // namespace
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
@@ -267,5 +267,5 @@ void add_products(std::span<const float* const> rows, std::span<const float* con
     HWY_DYNAMIC_DISPATCH(add_products)(rows, columns, G, count);
 }
 
-}  // namespace srbf
+}  // namespace
 #endif

@@ -44,4 +44,4 @@ void add_gram(std::span<const float* const> columns, double* G, std::size_t coun
 void add_products(std::span<const float* const> rows, std::span<const float* const> columns, double* G,
                   std::size_t count = k_block);
 
-}  // namespace srbf
+}  // namespace

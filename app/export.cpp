@@ -140,10 +140,10 @@ int write_texture(const ExportCommand& asked) {
 }
 
 /// The text of one surface; prints its visible error.
-Result<std::string> surface(const ExportCommand& asked, const std::vector<NamedModel>& named) {
+Result<std::string> surface(const ExportCommand& asked, const SurfaceFile& row, const std::vector<NamedModel>& named) {
     if (named.size() != 1)
         return Error{asked.output, {}, "models", "one surface", std::to_string(named.size()), ErrorCode::argument};
-    auto text = surface_file(asked.to, named[0]);
+    auto text = surface_text(row, named[0]);
     const auto& provenance = named[0].model->provenance;
     const auto heldout = provenance.find("heldout_delta_e_itp");
     if (const auto entry = provenance.find("delta_e_itp"); text && entry != provenance.end())
@@ -151,7 +151,7 @@ Result<std::string> surface(const ExportCommand& asked, const std::vector<NamedM
             "{}: ΔE_ITP {} against the measurement, as srbf draws it{}\n", printable(asked.output),
             printable(entry->second),
             heldout != provenance.end() ? fmt::format(", {} in cross-validation", printable(heldout->second)) : "");
-    const std::string parameters = asked.to == "glb" ? "gltf" : asked.to;
+    const std::string_view parameters = row.name == "glb" ? "gltf" : row.name;
     const auto fitted = provenance.find("surface");
     const bool lacks_some = parameters == "gltf" || parameters == "principled";
     if (text && lacks_some && fitted != provenance.end() && fitted->second != parameters)
@@ -195,9 +195,9 @@ std::vector<TextKind> text_kinds() {
             };
         kinds.push_back(std::move(kind));
     }
-    for (const std::string_view name : k_surface_files)
-        kinds.push_back({std::string(name), "", false,
-                         [](const auto& asked, const auto& models, auto&) { return surface(asked, models); }});
+    for (const SurfaceFile& row : surface_files())
+        kinds.push_back({std::string(row.name), std::string(row.about), false,
+                         [&row](const auto& asked, const auto& models, auto&) { return surface(asked, row, models); }});
     return kinds;
 }
 
@@ -209,9 +209,6 @@ std::string about_code() {
         code_language_names());
 }
 constexpr const char* k_about_others =
-    "mtlx, standard-surface, gltf, glb, usd, principled: a surface (fit --model openpbr) as a document of\n"
-    "MaterialX with OpenPBR or Standard Surface, as glTF 2.0, as a stage of USD, as a script that makes\n"
-    "the Principled material of Blender\n"
     "ktx2: the coefficients of a map (srbf map), as layers of a texture of KTX 2 with its levels; its code has\n"
     "NAME_brdf(wl, wv, NAME_coefficients(u, v))";
 constexpr const char* k_about_models =

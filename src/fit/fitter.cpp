@@ -72,13 +72,13 @@ Result<FitOutcome> fit_by_kind(const FitRequest& request, const Observations& ob
                                const ProgressToken& progress) {
     return std::visit(
         [&]<typename R>(const R& kind) -> Result<FitOutcome> {
-            if constexpr (std::same_as<R, PmRequest> || std::same_as<R, SuRequest>) {
-                misused("a fit to observations alone");
-            } else {
-                auto fit = Kind<typename R::Model>::fit(observations, kind, {is_isotropic, request.threads}, progress);
+            using K = Kind<typename R::Model>;
+            if constexpr (requires { &K::fit; }) {
+                auto fit = K::fit(observations, kind, {is_isotropic, request.threads}, progress);
                 if (!fit) return fit.error();
                 return outcome_of(*std::move(fit));
             }
+            misused("a fit to observations alone");
         },
         request.model);
 }

@@ -3,7 +3,6 @@
 
 #include "app/commands.h"
 #include "app/export.h"
-#include "app/extra_exports.h"
 #include "app/map_layers.h"
 #include "app/output.h"
 #include "app/surface_files.h"
@@ -11,6 +10,7 @@
 #include "base/paths.h"
 #include "base/printable.h"
 #include "code/offered_code.h"
+#include "generated/app/extra_exports.h"
 #include "models/model_files.h"
 #include "srbf/file.h"
 #include "srbf/shading_code.h"

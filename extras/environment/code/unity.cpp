@@ -1,6 +1,6 @@
 // Models as shaders for the Universal Render Pipeline of Unity.
 #include "extras/environment/code/materials.h"
-#include "extras/environment/texts.h"
+#include "generated/extras/environment/texts.h"
 #include "srbf/environment_code.h"
 
 namespace SRBF_NAMESPACE {

@@ -1,7 +1,6 @@
 #include <memory>
 
 #include "app/commands.h"
-#include "app/extra_subcommands.h"
 #include "app/load.h"
 #include "app/memory.h"
 #include "app/output.h"
@@ -18,6 +17,7 @@
 #include "extras/render/raster.h"
 #include "extras/render/scene.h"
 #include "extras/render/tone.h"
+#include "generated/app/extra_subcommands.h"
 #include "srbf/file.h"
 
 namespace SRBF_NAMESPACE {

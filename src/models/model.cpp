@@ -58,6 +58,7 @@ std::optional<Error> lost_number(const Parameters& given, const Parameters& stor
 /// The kinds of models: each alternative of `Model::model` needs a `Kind`.
 template <typename> struct Kinds;
 template <typename... M> struct Kinds<std::variant<M...>> {
+    static_assert((ModelKind<M> && ...));
     static std::vector<std::string_view> names() { return {Kind<M>::name...}; }
     /// Reads the model of the kind `kind` from its tensors and metadata.
     static Result<Model> read(std::string_view kind, Safetensors& content, const std::string& file_name) {

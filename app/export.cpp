@@ -6,6 +6,7 @@
 #include "app/map_layers.h"
 #include "app/output.h"
 #include "app/surface_files.h"
+#include "base/errors.h"
 #include "base/files.h"
 #include "base/paths.h"
 #include "base/printable.h"
@@ -13,7 +14,6 @@
 #include "generated/app/extra_exports.h"
 #include "models/model_files.h"
 #include "srbf/file.h"
-#include "srbf/shading_code.h"
 
 namespace srbf {
 namespace {
@@ -108,7 +108,7 @@ Result<Done> write_text(const ExportCommand& asked, const TextKind& kind, const 
 
 Result<Done> write_text(const ExportCommand& asked, const TextKind& kind, const std::vector<Subject>& models) {
     if (!asked.coefficients.empty())
-        return Error{asked.files[0], {}, "input", "a map (--coefficients)", "a model", ErrorCode::argument};
+        return argument_error(asked.files[0], "input", "a map (--coefficients)", "a model");
     const std::vector<NamedModel> models_by_name = names_of(models), brdfs = with_parts(models_by_name);
     std::vector<std::string> outputs{asked.output};
     std::vector<NewFile> files;
@@ -141,8 +141,7 @@ int write_texture(const ExportCommand& asked) {
 
 /// The text of one surface; prints its visible error.
 Result<std::string> surface(const ExportCommand& asked, const SurfaceFile& row, const std::vector<NamedModel>& named) {
-    if (named.size() != 1)
-        return Error{asked.output, {}, "models", "one surface", std::to_string(named.size()), ErrorCode::argument};
+    if (named.size() != 1) return argument_error(asked.output, "models", "one surface", std::to_string(named.size()));
     auto text = surface_text(row, named[0]);
     const auto& provenance = named[0].model->provenance;
     const auto heldout = provenance.find("heldout_delta_e_itp");
@@ -208,8 +207,8 @@ std::string about_code() {
         "the numbers as constants, for a shader or a program (c: a header for C99, C++ and CUDA)",
         code_language_names());
 }
-constexpr const char* k_about_others =
-    "ktx2: the coefficients of a map (srbf map), as layers of a texture of KTX 2 with its levels; its code has\n"
+constexpr const char* k_about_textures =
+    "\nktx2: the coefficients of a map (srbf map), as layers of a texture of KTX 2 with its levels; its code has\n"
     "NAME_brdf(wl, wv, NAME_coefficients(u, v))";
 constexpr const char* k_about_models =
     "\nThe numbers of a view-by-view model go into NAME.data beside the code. The functions of a BSDF are\n"
@@ -223,7 +222,7 @@ Exports core_exports() {
         exports.kinds.push_back({kind.name, [kind](const ExportCommand& asked) { return write_text(asked, kind); }});
     }
     exports.kinds.push_back({"ktx2", write_texture});
-    exports.about += std::string("\n") + k_about_others;
+    exports.about += k_about_textures;
     return exports;
 }
 
@@ -260,7 +259,7 @@ Result<TexelMap> load_map(const ExportCommand& asked) {
     auto loaded = load_models_or_map(asked.files);
     if (!loaded) return loaded.error();
     auto* map = std::get_if<TexelMap>(&*loaded);
-    if (!map) return Error{asked.files[0], {}, "input", "a map of shared lobes", "a model", ErrorCode::argument};
+    if (!map) return argument_error(asked.files[0], "input", "a map of shared lobes", "a model");
     if (const auto writable = check_outputs(asked.files, {asked.output}); !writable) return writable.error();
     return std::move(*map);
 }

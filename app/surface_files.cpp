@@ -8,7 +8,6 @@
 #include "brdf/values.h"
 #include "models/openpbr/openpbr_kind.h"
 #include "models/openpbr/openpbr_parameters.h"
-#include "srbf/elementary.h"
 #include "srbf/kernel.h"
 
 namespace srbf {
@@ -438,7 +437,7 @@ Result<std::string> surface_text(const SurfaceFile& file, const NamedModel& name
         return argument_error(named.name, fmt::format("model for {}", file.name),
                               "a surface, of srbf fit --model openpbr", "another model");
     if (model->is_exchanged)
-        return Error{named.name, {}, "surface", "light and viewer as they are", "exchanged ones", ErrorCode::argument};
+        return argument_error(named.name, "surface", "light and viewer as they are", "exchanged ones");
     return file.text(named, *model);
 }
 

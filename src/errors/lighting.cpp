@@ -1,4 +1,3 @@
-
 #include "brdf/values.h"
 #include "errors/sphere.h"
 #include "srbf/elementary.h"

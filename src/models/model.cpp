@@ -6,14 +6,9 @@
 #include "base/files.h"
 #include "base/floating_point.h"
 #include "base/half.h"
-#include "base/safetensors.h"
 #include "brdf/values.h"
 #include "generated/models/kinds.h"
-#include "models/bsdf/bsdf_functions.h"
-#include "models/kind/parameters.h"
 #include "models/model_files.h"
-#include "models/openpbr/openpbr_kind.h"
-#include "models/pm/pm_functions.h"
 #include "srbf/file.h"
 
 namespace SRBF_NAMESPACE {
@@ -82,7 +77,7 @@ template <typename... M> struct Kinds<std::variant<M...>> {
         };
         (make_one(std::type_identity<M>()), ...);
         if (model) return *std::move(model);
-        return Error{{}, {}, "parameters", "the parameters of a model", {}, ErrorCode::argument};
+        return argument_error({}, "parameters", "the parameters of a model", {});
     }
 
   private:

@@ -9,7 +9,6 @@
 #include "brdf/directions.h"
 #include "generated/models/kinds.h"
 #include "models/pm/pm_lanes.h"
-#include "models/su/su_functions.h"
 #include "sampling/elevation_nodes.h"
 #include "srbf/elementary.h"
 

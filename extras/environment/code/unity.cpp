@@ -1,4 +1,5 @@
 // Models as shaders for the Universal Render Pipeline of Unity.
+#include "base/errors.h"
 #include "extras/environment/code/materials.h"
 #include "generated/extras/environment/texts.h"
 #include "srbf/environment_code.h"
@@ -6,8 +7,7 @@
 namespace SRBF_NAMESPACE {
 
 Result<std::string> unity_shader(std::span<const NamedModel> models, int threads) {
-    if (models.size() != 1)
-        return Error{"unity", {}, "models", "one", std::to_string(models.size()), ErrorCode::argument};
+    if (models.size() != 1) return argument_error("unity", "models", "one", std::to_string(models.size()));
     if (const auto valid = check_materials(models); !valid) return valid.error();
     const std::string& name = models[0].name;
     const auto functions =

@@ -165,11 +165,11 @@ Result<MaskedSubjects> masked_by(const std::string& mask, std::span<const Pictur
     MaskedSubjects masked;
     for (const Pictured& material : materials) {
         const auto* subject = std::get_if<const Subject*>(&material);
-        if (!subject) return Error{mask, {}, "materials", "measurements and models", "a map", ErrorCode::argument};
+        if (!subject) return argument_error(mask, "materials", "measurements and models", "a map");
         masked.subjects.push_back(*subject);
     }
     if (const std::size_t count = masked.subjects.size(); count < 2 || count > 3)
-        return Error{mask, {}, "materials", "two or three", std::to_string(count), ErrorCode::argument};
+        return argument_error(mask, "materials", "two or three", std::to_string(count));
     auto image = load_mask(mask);
     if (!image) return image.error();
     masked.mask = *std::move(image);

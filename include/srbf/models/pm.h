@@ -1,9 +1,7 @@
 // The parameterized multivariate model.
 #pragma once
 #include <cstddef>
-#include <optional>
 #include <span>
-#include <string_view>
 #include <variant>
 #include <vector>
 

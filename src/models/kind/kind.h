@@ -14,8 +14,7 @@ template <typename M> struct Kind;
 template <typename M, typename K = Kind<M>>
 concept ModelKind = requires(const M& model, Safetensors& content, std::string& text, ParameterReader& reader,
                              const NumberText& number) {
-    std::string_view(K::name);                              // the value of `model` in its file's metadata
-    std::string_view(K::words);                             // its name in text
+    std::string_view(K::name), std::string_view(K::words);  // the value of `model` in its file's metadata; in text
     { K::content(model) } -> std::same_as<Safetensors>;     // tensors, rounded to 16-bit floats, and metadata
     { K::read(content, text) } -> std::same_as<Result<M>>;  // the inverse; removes the metadata that it reads
     { K::largest(model) } -> std::same_as<double>;          // the largest number before `content` clamps it to 65504

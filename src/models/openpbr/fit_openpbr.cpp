@@ -1,4 +1,3 @@
-
 #include "base/errors.h"
 #include "brdf/directions.h"
 #include "models/openpbr/openpbr_kind.h"

@@ -1,5 +1,4 @@
 
-
 #include "models/su/fit_su.h"
 #include "base/errors.h"
 #include "base/parallel.h"

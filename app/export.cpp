@@ -3,17 +3,17 @@
 
 #include "app/commands.h"
 #include "app/export.h"
-#include "app/extra_exports.h"
 #include "app/map_layers.h"
 #include "app/output.h"
 #include "app/surface_files.h"
+#include "base/errors.h"
 #include "base/files.h"
 #include "base/paths.h"
 #include "base/printable.h"
 #include "code/offered_code.h"
+#include "generated/app/extra_exports.h"
 #include "models/model_files.h"
 #include "srbf/file.h"
-#include "srbf/shading_code.h"
 
 namespace srbf {
 namespace {
@@ -108,7 +108,7 @@ Result<Done> write_text(const ExportCommand& command, const TextKind& kind, cons
 
 Result<Done> write_text(const ExportCommand& command, const TextKind& kind, const std::vector<LoadedFile>& models) {
     if (!command.coefficients.empty())
-        return Error{command.files[0], {}, "input", "a map (--coefficients)", "a model", ErrorCode::argument};
+        return argument_error(command.files[0], "input", "a map (--coefficients)", "a model");
     const std::vector<NamedModel> models_by_name = names_of(models), brdfs = with_parts(models_by_name);
     std::vector<std::string> outputs{command.output};
     std::vector<NewFile> files;
@@ -142,10 +142,9 @@ int write_texture(const ExportCommand& command) {
 }
 
 /// The text of one surface; prints its visible error.
-Result<std::string> surface(const ExportCommand& command, const std::vector<NamedModel>& named) {
-    if (named.size() != 1)
-        return Error{command.output, {}, "models", "one surface", std::to_string(named.size()), ErrorCode::argument};
-    auto text = surface_file(command.to, named[0]);
+Result<std::string> surface(const ExportCommand& command, const SurfaceFile& row, const std::vector<NamedModel>& named) {
+    if (named.size() != 1) return argument_error(command.output, "models", "one surface", std::to_string(named.size()));
+    auto text = surface_text(row, named[0]);
     const auto& provenance = named[0].model->provenance;
     const auto heldout = provenance.find("heldout_delta_e_itp");
     if (const auto entry = provenance.find("delta_e_itp"); text && entry != provenance.end())
@@ -153,7 +152,7 @@ Result<std::string> surface(const ExportCommand& command, const std::vector<Name
             "{}: ΔE_ITP {} against the measurement, as srbf draws it{}\n", printable(command.output),
             printable(entry->second),
             heldout != provenance.end() ? fmt::format(", {} in cross-validation", printable(heldout->second)) : "");
-    const std::string parameters = command.to == "glb" ? "gltf" : command.to;
+    const std::string_view parameters = row.name == "glb" ? "gltf" : row.name;
     const auto fitted = provenance.find("surface");
     const bool lacks_some = parameters == "gltf" || parameters == "principled";
     if (text && lacks_some && fitted != provenance.end() && fitted->second != parameters)
@@ -197,9 +196,9 @@ std::vector<TextKind> text_kinds() {
             };
         kinds.push_back(std::move(kind));
     }
-    for (const std::string_view name : k_surface_files)
-        kinds.push_back({std::string(name), "", false,
-                         [](const auto& command, const auto& models, auto&) { return surface(command, models); }});
+    for (const SurfaceFile& row : surface_files())
+        kinds.push_back({std::string(row.name), std::string(row.about), false,
+                         [&row](const auto& command, const auto& models, auto&) { return surface(command, row, models); }});
     return kinds;
 }
 
@@ -210,11 +209,8 @@ std::string about_code() {
         "the numbers as constants, for a shader or a program (c: a header for C99, C++ and CUDA)",
         code_language_names());
 }
-constexpr const char* k_about_others =
-    "mtlx, standard-surface, gltf, glb, usd, principled: a surface (fit --model openpbr) as a document of\n"
-    "MaterialX with OpenPBR or Standard Surface, as glTF 2.0, as a stage of USD, as a script that makes\n"
-    "the Principled material of Blender\n"
-    "ktx2: the coefficients of a map (srbf map), as layers of a texture of KTX 2 with its levels; its code has\n"
+constexpr const char* k_about_textures =
+    "\nktx2: the coefficients of a map (srbf map), as layers of a texture of KTX 2 with its levels; its code has\n"
     "NAME_brdf(wl, wv, NAME_coefficients(u, v))";
 constexpr const char* k_about_models =
     "\nThe numbers of a view-by-view model go into NAME.data beside the code. The functions of a BSDF are\n"
@@ -229,7 +225,7 @@ Exports core_exports() {
             {kind.name, [kind](const ExportCommand& command) { return write_text(command, kind); }});
     }
     exports.kinds.push_back({"ktx2", write_texture});
-    exports.about += std::string("\n") + k_about_others;
+    exports.about += k_about_textures;
     return exports;
 }
 
@@ -266,7 +262,7 @@ Result<TexelMap> load_map(const ExportCommand& command) {
     auto loaded = load_models_or_map(command.files);
     if (!loaded) return loaded.error();
     auto* map = std::get_if<TexelMap>(&*loaded);
-    if (!map) return Error{command.files[0], {}, "input", "a map of shared lobes", "a model", ErrorCode::argument};
+    if (!map) return argument_error(command.files[0], "input", "a map of shared lobes", "a model");
     if (const auto writable = check_outputs(command.files, {command.output}); !writable) return writable.error();
     return std::move(*map);
 }

@@ -8,9 +8,9 @@
 #include <system_error>
 
 #include "app/commands.h"
-#include "app/extra_subcommands.h"
 #include "app/memory.h"
 #include "app/output.h"
+#include "generated/app/extra_subcommands.h"
 #include "measured/formats.h"
 
 namespace srbf {

@@ -8,7 +8,6 @@
 #include "brdf/values.h"
 #include "models/openpbr/openpbr_kind.h"
 #include "models/openpbr/openpbr_parameters.h"
-#include "srbf/elementary.h"
 #include "srbf/kernel.h"
 
 namespace srbf {
@@ -408,26 +407,38 @@ std::string blender_text(const NamedModel& named, const OpenPbrModel& model) {
                       named.name);
 }
 
+constexpr SurfaceFile k_surface_files[] = {
+    {"mtlx", "a surface (fit --model openpbr) as a document of MaterialX with OpenPBR Surface",
+     [](const NamedModel& named, const OpenPbrModel& model) {
+         return mtlx_text(named, "open_pbr_surface", "OpenPBR Surface 1.1", openpbr_inputs(model),
+                          mtlx_tangent(named.name, model));
+     }},
+    {"standard-surface", "the same with Autodesk Standard Surface",
+     [](const NamedModel& named, const OpenPbrModel& model) {
+         return mtlx_text(named, "standard_surface", "Autodesk Standard Surface 1.0.1",
+                          standard_surface_inputs(with_plain_coat(model)));
+     }},
+    {"gltf", "a surface as glTF 2.0 with a sphere",
+     [](const auto& named, const auto& model) { return gltf_text(gltf(named, with_plain_coat(model))); }},
+    {"glb", "the same as one binary file",
+     [](const auto& named, const auto& model) { return glb_bytes(gltf(named, with_plain_coat(model))); }},
+    {"usd", "a surface as a stage of USD with a sphere", usd_text},
+    {"principled", "a surface as a script that makes the Principled material of Blender",
+     [](const auto& named, const auto& model) { return blender_text(named, with_plain_coat(model)); }},
+};
+
 }  // namespace
 
-Result<std::string> surface_file(std::string_view kind, const NamedModel& named) {
+std::span<const SurfaceFile> surface_files() { return k_surface_files; }
+
+Result<std::string> surface_text(const SurfaceFile& file, const NamedModel& named) {
     const auto* model = std::get_if<OpenPbrModel>(&named.model->model);
     if (!model)
-        return argument_error(named.name, "model for " + std::string(kind), "a surface, of srbf fit --model openpbr",
-                              "another model");
+        return argument_error(named.name, fmt::format("model for {}", file.name),
+                              "a surface, of srbf fit --model openpbr", "another model");
     if (model->is_exchanged)
-        return Error{named.name, {}, "surface", "light and viewer as they are", "exchanged ones", ErrorCode::argument};
-    if (kind == "mtlx")
-        return mtlx_text(named, "open_pbr_surface", "OpenPBR Surface 1.1", openpbr_inputs(*model),
-                         mtlx_tangent(named.name, *model));
-    if (kind == "standard-surface")
-        return mtlx_text(named, "standard_surface", "Autodesk Standard Surface 1.0.1",
-                         standard_surface_inputs(with_plain_coat(*model)));
-    if (kind == "usd") return usd_text(named, *model);
-    const OpenPbrModel plain = with_plain_coat(*model);
-    if (kind == "gltf") return gltf_text(gltf(named, plain));
-    if (kind == "glb") return glb_bytes(gltf(named, plain));
-    return blender_text(named, plain);
+        return argument_error(named.name, "surface", "light and viewer as they are", "exchanged ones");
+    return file.text(named, *model);
 }
 
 }  // namespace srbf

@@ -243,7 +243,7 @@ inline const NamedTarget k_targets[] = {
 
 }  // namespace srbf
 
-#include "fuzz/extra_targets.h"
+#include "generated/fuzz/extra_targets.h"
 #include "measured/tables.h"
 
 namespace srbf {

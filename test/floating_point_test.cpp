@@ -52,13 +52,12 @@ void count_numbers(std::span<const float* const> columns, std::size_t count = k_
 }  // namespace
 
 // The linker replaces each loop by the wrapper of that name (option --wrap, test/CMakeLists.txt).
-#define SRBF_WRAPPED(result, name, symbol, ...)               \
-    result real_##name(__VA_ARGS__) asm("__real_" symbol);    \
-    result wrapped_##name(__VA_ARGS__) asm("__wrap_" symbol); \
+#define SRBF_WRAPPED(result, name, symbol, ...)                                  \
+    result real_##name(__VA_ARGS__) asm("__real_" SRBF_LINKER_PREFIX symbol);    \
+    result wrapped_##name(__VA_ARGS__) asm("__wrap_" SRBF_LINKER_PREFIX symbol); \
     result wrapped_##name(__VA_ARGS__)
 
-SRBF_WRAPPED(float, exponent,
-             "_ZN4srbf4v0_18exponentESt4spanIKfLm18446744073709551615EES1_IKPS2_Lm18446744073709551615EES4_Pfm",
+SRBF_WRAPPED(float, exponent, "8exponentESt4spanIKfLm18446744073709551615EES1_IKPS2_Lm18446744073709551615EES4_Pfm",
              std::span<const float> weight, std::span<const float* const> s, const float* root_weight, float* x,
              std::size_t count) {
     count_numbers(s, count);
@@ -66,14 +65,13 @@ SRBF_WRAPPED(float, exponent,
     count_numbers(x, count);
     return largest;
 }
-SRBF_WRAPPED(void, exponentiate, "_ZN4srbf4v0_112exponentiateEPKfS2_fPfm", const float* x, const float* root_weight,
-             float offset, float* e, std::size_t count) {
+SRBF_WRAPPED(void, exponentiate, "12exponentiateEPKfS2_fPfm", const float* x, const float* root_weight, float offset,
+             float* e, std::size_t count) {
     count_numbers(x, count), count_numbers(root_weight, count);
     real_exponentiate(x, root_weight, offset, e, count);
     count_numbers(e, count);
 }
-SRBF_WRAPPED(double, residual,
-             "_ZN4srbf4v0_18residualEPKfSt4spanIS1_Lm18446744073709551615EES3_IKS2_Lm18446744073709551615EEPfm",
+SRBF_WRAPPED(double, residual, "8residualEPKfSt4spanIS1_Lm18446744073709551615EES3_IKS2_Lm18446744073709551615EEPfm",
              const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r,
              std::size_t count) {
     count_numbers(y, count), count_numbers(beta.data(), beta.size()), count_numbers(columns, count);
@@ -81,12 +79,12 @@ SRBF_WRAPPED(double, residual,
     count_numbers(r, count);
     return squares;
 }
-SRBF_WRAPPED(void, add_gram, "_ZN4srbf4v0_18add_gramESt4spanIKPKfLm18446744073709551615EEPdm",
-             std::span<const float* const> columns, double* G, std::size_t count) {
+SRBF_WRAPPED(void, add_gram, "8add_gramESt4spanIKPKfLm18446744073709551615EEPdm", std::span<const float* const> columns,
+             double* G, std::size_t count) {
     count_numbers(columns, count);
     real_add_gram(columns, G, count);
 }
-SRBF_WRAPPED(void, add_products, "_ZN4srbf4v0_112add_productsESt4spanIKPKfLm18446744073709551615EES5_Pdm",
+SRBF_WRAPPED(void, add_products, "12add_productsESt4spanIKPKfLm18446744073709551615EES5_Pdm",
              std::span<const float* const> rows, std::span<const float* const> columns, double* G, std::size_t count) {
     count_numbers(rows, count), count_numbers(columns, count);
     real_add_products(rows, columns, G, count);

@@ -2,6 +2,7 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 
+#include "app/surface_files.h"
 #include "base/printable.h"
 #include "base/text.h"
 #include "command.h"
@@ -388,7 +389,6 @@ TEST_F(Hostile, NamesAndMetadataAreNotCode) {
     std::mt19937_64 random(1);
     const PmModel pm = random_model(random, {.lobes = 1, .variates = 1});
     const TexelMap map = random_map(random, {.lobes = 2}, 3, 2);
-    const Arguments surfaces{"mtlx", "standard-surface", "gltf", "glb", "usd", "principled"};
     Arguments kinds = destinations(folder);
     std::erase(kinds, "dds");  // which is made of an environment
     ASSERT_GE(kinds.size(), 12u);
@@ -397,7 +397,8 @@ TEST_F(Hostile, NamesAndMetadataAreNotCode) {
     for (std::size_t i = 0; i < k_fields; i += 2) {
         const std::string& name = k_names[i / 2 % std::size(k_names)];
         for (const std::string& to : kinds) {
-            const bool is_map = to == "ktx2" || to == "exr", is_surface = std::ranges::count(surfaces, to) > 0,
+            const bool is_map = to == "ktx2" || to == "exr",
+                       is_surface = std::ranges::count(surface_files(), to, &SurfaceFile::name) > 0,
                        is_slow = to == "html" || to.starts_with("three") || to.starts_with("unity") ||
                                  to == "blender" || to == "osl";
             if (is_slow && i > 0) continue;

@@ -61,7 +61,7 @@ function(test_program noun level)
   endif()
 endfunction()
 
-# tests(PROGRAM LABELS NOUN..): adds NOUN_test.cpp of this folder, each as the test NOUN. LABELS is a list.
+# tests(PROGRAM LABELS NOUN..): adds NOUN_test.cpp of this folder, each as the test NOUN. LABELS is a list (CMakeLists.txt).
 function(tests noun labels)
   set(program ${noun}_tests)
   foreach(test IN LISTS ARGN)

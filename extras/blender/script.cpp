@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "blender/script_text.h"
+#include "generated/blender/script_text.h"
 #include "srbf/model.h"
 
 namespace SRBF_NAMESPACE {

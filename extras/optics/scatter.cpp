@@ -9,7 +9,6 @@
 #include "brdf/directions.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
-#include "measured/tables.h"
 #include "srbf/elementary.h"
 
 namespace SRBF_NAMESPACE {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/errors.h"
 #include "base/floating_point.h"
 #include "extras/optics/formats.h"
 #include "measured/bytes.h"
@@ -191,8 +192,7 @@ Result<Measured> read_as_zemax(std::span<const std::byte> bytes, const std::stri
 /// Writes a BRDF, or a BSDF that only transmits light from the front.
 Result<std::vector<std::byte>> write_as_zemax(const TableSource& source, const TableOptions& options) {
     const auto tables = scatter_tables(source, true, options.threads);
-    if (tables.size() > 1)
-        return Error{"table", {}, "input", "only reflection or only transmission", "both", ErrorCode::argument};
+    if (tables.size() > 1) return argument_error("table", "input", "only reflection or only transmission", "both");
     return bytes_of(write_zemax(tables[0]));
 }
 

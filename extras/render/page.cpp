@@ -12,9 +12,9 @@
 #include "extras/render/environment.h"
 #include "extras/render/scene.h"
 #include "extras/render/slices.h"
+#include "generated/render/page_text.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/su/su_functions.h"
-#include "render/page_text.h"
 
 namespace SRBF_NAMESPACE {
 namespace {

@@ -1,5 +1,5 @@
 #include "extras/render/pixel_shader.h"
-#include "render/shader_text.h"
+#include "generated/render/shader_text.h"
 
 #include <fmt/format.h>
 

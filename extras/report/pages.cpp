@@ -8,9 +8,9 @@
 #include "errors/sphere.h"
 #include "extras/render/chart.h"
 #include "fit/request_traits.h"
+#include "generated/render/page_text.h"
+#include "generated/report/report_text.h"
 #include "observe/pair_weights.h"
-#include "render/page_text.h"
-#include "report/report_text.h"
 #include "srbf/metrics.h"
 
 namespace SRBF_NAMESPACE {

@@ -6,13 +6,13 @@
 #include <thread>
 
 #include "app/commands.h"
-#include "app/extra_subcommands.h"
 #include "app/jobs.h"
 #include "base/printable.h"
 #include "errors/picture_errors.h"
 #include "extras/render/app/mesh_options.h"
 #include "extras/render/mesh.h"
 #include "extras/report/pages.h"
+#include "generated/app/extra_subcommands.h"
 #include "srbf/file.h"
 
 namespace SRBF_NAMESPACE {

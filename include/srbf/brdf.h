@@ -11,7 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "srbf/srbf.h"
+#include "srbf/handles.h"
+#include "srbf/result.h"
 
 SRBF_BEGIN
 

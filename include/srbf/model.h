@@ -17,9 +17,6 @@
 
 SRBF_BEGIN
 
-struct PmRequest;  // fit.h
-struct SuRequest;
-
 struct Model;
 /// A BSDF: a model for each part, in the frame of that part (brdf.h), none of them a BSDF itself, and its beams.
 struct BsdfModel {

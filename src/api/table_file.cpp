@@ -32,7 +32,7 @@ Beams beams_of(const AnyBrdf& brdf) { return source_of(brdf).beams; }
 
 Result<std::vector<std::byte>> table_file(const AnyBrdf& brdf, const Format& format, const TableOptions& options) {
     const auto refused = [](std::string expected, std::string found) {
-        return Error{"table", {}, "input", std::move(expected), std::move(found), ErrorCode::argument};
+        return argument_error("table", "input", std::move(expected), std::move(found));
     };
     TableSource source = source_of(brdf);
     if (!format.anisotropic && !source.isotropic) return refused("an isotropic BRDF", "an anisotropic one");

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "code/print.h"
-#include "code/texts.h"
+#include "generated/code/texts.h"
 #include "sampling/mixture.h"
 #include "srbf/kernel.h"
 #include "srbf/models/exponent_terms.h"

@@ -1,6 +1,6 @@
 #include "code/offered_code.h"
 #include "srbf/load.h"
-#include "srbf/shading_code.h"
+#include "srbf/srbf.h"
 
 namespace SRBF_NAMESPACE {
 

@@ -6,7 +6,7 @@
 
 #include "code/lanes_code.h"
 #include "code/print.h"
-#include "code/texts.h"
+#include "generated/code/texts.h"
 #include "models/kind/parameters.h"
 #include "models/model_files.h"
 #include "sampling/elevation_nodes.h"

@@ -6,7 +6,7 @@
 #include "brdf/colour.h"
 #include "code/lanes_code.h"
 #include "code/print.h"
-#include "code/texts.h"
+#include "generated/code/texts.h"
 #include "models/openpbr/openpbr_parameters.h"
 #include "srbf/shading_code.h"
 

@@ -8,7 +8,7 @@
 #include "base/half.h"
 #include "brdf/parts.h"
 #include "code/bsdf_code.h"
-#include "code/texts.h"
+#include "generated/code/texts.h"
 #include "models/kind/parameters.h"
 #include "sampling/mixture.h"
 #include "srbf/kernel.h"

@@ -1,5 +1,6 @@
 #include "fit/fit_errors.h"
 
+#include "base/errors.h"
 #include "brdf/values.h"
 #include "errors/measures.h"
 #include "errors/picture_errors.h"

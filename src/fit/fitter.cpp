@@ -10,8 +10,8 @@
 #include "fit/fit_errors.h"
 #include "fit/request_traits.h"
 #include "fit/requests.h"
+#include "generated/models/kinds.h"
 #include "measured/tables.h"
-#include "models/kinds.h"
 #include "models/pm/pm_functions.h"
 #include "models/su/su_functions.h"
 #include "observe/albedo_bound.h"
@@ -72,12 +72,10 @@ Result<FitOutcome> fit_by_kind(const FitRequest& request, const Observations& ob
                                const ProgressToken& progress) {
     return std::visit(
         [&]<typename R>(const R& kind) -> Result<FitOutcome> {
-            if constexpr (std::same_as<R, PmRequest> || std::same_as<R, SuRequest>) {
-                misused("a fit to observations alone");
-            } else {
-                return outcome_of(
-                    Kind<typename R::Model>::fit(observations, kind, {is_isotropic, request.threads}, progress));
-            }
+            using K = Kind<typename R::Model>;
+            if constexpr (requires { &K::fit; })
+                return outcome_of(K::fit(observations, kind, {is_isotropic, request.threads}, progress));
+            misused("a fit to observations alone");
         },
         request.model);
 }

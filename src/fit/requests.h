@@ -68,7 +68,7 @@ inline Error with_source(Error error, const Measured& measured) {
     return error;
 }
 
-/// A fit to observations alone, of a model that is neither multivariate nor view by view.
+/// A fit to observations alone, of a kind that has a `fit`.
 Result<FitOutcome> fit_by_kind(const FitRequest& request, const Observations& observations, bool is_isotropic,
                                const ProgressToken& progress);
 /// A view-by-view fit, which observes all pairs of directions itself.

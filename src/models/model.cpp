@@ -6,14 +6,9 @@
 #include "base/files.h"
 #include "base/floating_point.h"
 #include "base/half.h"
-#include "base/safetensors.h"
 #include "brdf/values.h"
-#include "models/bsdf/bsdf_functions.h"
-#include "models/kind/parameters.h"
-#include "models/kinds.h"
+#include "generated/models/kinds.h"
 #include "models/model_files.h"
-#include "models/openpbr/openpbr_kind.h"
-#include "models/pm/pm_functions.h"
 #include "srbf/file.h"
 
 namespace SRBF_NAMESPACE {
@@ -58,6 +53,7 @@ std::optional<Error> lost_number(const Parameters& given, const Parameters& stor
 /// The kinds of models: each alternative of `Model::model` needs a `Kind`.
 template <typename> struct Kinds;
 template <typename... M> struct Kinds<std::variant<M...>> {
+    static_assert((ModelKind<M> && ...));
     static std::vector<std::string_view> names() { return {Kind<M>::name...}; }
     /// Reads the model of the kind `kind` from its tensors and metadata.
     static Result<Model> read(std::string_view kind, Safetensors& content, const std::string& file_name) {
@@ -81,7 +77,7 @@ template <typename... M> struct Kinds<std::variant<M...>> {
         };
         (make_one(std::type_identity<M>()), ...);
         if (model) return *std::move(model);
-        return Error{{}, {}, "parameters", "the parameters of a model", {}, ErrorCode::argument};
+        return argument_error({}, "parameters", "the parameters of a model", {});
     }
 
   private:

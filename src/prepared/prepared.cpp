@@ -7,9 +7,8 @@
 
 #include "base/floating_point.h"
 #include "brdf/directions.h"
-#include "models/kinds.h"
+#include "generated/models/kinds.h"
 #include "models/pm/pm_lanes.h"
-#include "models/su/su_functions.h"
 #include "sampling/elevation_nodes.h"
 #include "srbf/elementary.h"
 

@@ -4,14 +4,14 @@
 #include <memory>
 
 #include "app/commands.h"
-#include "app/extra_exports.h"
 #include "app/output.h"
 #include "base/errors.h"
 #include "base/printable.h"
-#include "blender/script_text.h"
 #include "errors/picture_errors.h"
 #include "extras/blender/closures.h"
 #include "extras/blender/script.h"
+#include "generated/app/extra_exports.h"
+#include "generated/blender/script_text.h"
 #include "measured/tables.h"
 #include "srbf/file.h"
 #include "srbf/metrics.h"

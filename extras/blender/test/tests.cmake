@@ -1,4 +1,3 @@
-list(APPEND parallel_tests closures)
 test_program(extras -O1)
-tests(extras fit closures)
+tests(extras "fit;cores" closures)
 tests(extras program blender_script)

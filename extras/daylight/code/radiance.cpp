@@ -175,8 +175,7 @@ Result<std::string> radiance_text(std::span<const NamedModel> models, std::strin
     DefinedNames defined;
     for (const std::string_view reserved : k_cal_names)
         if (std::ranges::find(models, reserved, &NamedModel::name) != models.end())
-            return Error{std::string(reserved), {}, "name for Radiance", "none of its own", std::string(reserved),
-                         ErrorCode::argument};
+            return argument_error(std::string(reserved), "name for Radiance", "none of its own", std::string(reserved));
     for (const NamedModel& named : models) {
         const bool is_bsdf = std::holds_alternative<BsdfModel>(named.model->model);
         auto part = cal_text(named.name, *named.model);

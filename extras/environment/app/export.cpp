@@ -4,11 +4,11 @@
 #include <cstdio>
 
 #include "app/commands.h"
-#include "app/extra_exports.h"
 #include "app/output.h"
 #include "base/printable.h"
 #include "extras/environment/app/filtered_environment.h"
 #include "extras/render/app/path.h"
+#include "generated/app/extra_exports.h"
 #include "srbf/file.h"
 
 namespace SRBF_NAMESPACE {

@@ -6,10 +6,10 @@
 #include <algorithm>
 
 #include "code/added_code.h"
-#include "code/extra_code.h"
 #include "code/print.h"
 #include "extras/environment/code/unroll.h"
-#include "extras/environment/texts.h"
+#include "generated/code/extra_code.h"
+#include "generated/extras/environment/texts.h"
 #include "sampling/elevation_nodes.h"
 #include "srbf/model.h"
 

@@ -26,7 +26,7 @@ Result<Done> check_materials(std::span<const NamedModel> models) {
         if (std::holds_alternative<SuModel>(named.model->model))
             return argument_error(named.name, "model", "multivariate, or Lambert and GGX", "view by view");
         if (std::holds_alternative<BsdfModel>(named.model->model))
-            return Error{named.name, {}, "model", "a BRDF, such as a part of a BSDF", "a BSDF", ErrorCode::argument};
+            return argument_error(named.name, "model", "a BRDF, such as a part of a BSDF", "a BSDF");
     }
     return Done{};
 }

@@ -4,7 +4,7 @@
 #include "code/defined_names.h"
 #include "code/print.h"
 #include "extras/environment/code/materials.h"
-#include "extras/environment/texts.h"
+#include "generated/extras/environment/texts.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/su/su_functions.h"
 #include "srbf/environment_code.h"

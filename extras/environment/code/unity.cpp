@@ -1,13 +1,13 @@
 // Models as shaders for the Universal Render Pipeline of Unity.
+#include "base/errors.h"
 #include "extras/environment/code/materials.h"
-#include "extras/environment/texts.h"
+#include "generated/extras/environment/texts.h"
 #include "srbf/environment_code.h"
 
 namespace SRBF_NAMESPACE {
 
 Result<std::string> unity_shader(std::span<const NamedModel> models, int threads) {
-    if (models.size() != 1)
-        return Error{"unity", {}, "models", "one", std::to_string(models.size()), ErrorCode::argument};
+    if (models.size() != 1) return argument_error("unity", "models", "one", std::to_string(models.size()));
     if (const auto valid = check_materials(models); !valid) return valid.error();
     const std::string& name = models[0].name;
     const auto functions =

@@ -5,7 +5,6 @@
 #include <memory>
 
 #include "app/commands.h"
-#include "app/extra_subcommands.h"
 #include "app/fit_options.h"
 #include "app/output.h"
 #include "app/pairs.h"
@@ -13,6 +12,7 @@
 #include "base/half.h"
 #include "base/printable.h"
 #include "extras/maps/app/texels.h"
+#include "generated/app/extra_subcommands.h"
 #include "models/model_files.h"
 
 namespace SRBF_NAMESPACE {

@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "app/commands.h"
-#include "app/extra_exports.h"
 #include "app/map_layers.h"
 #include "app/output.h"
 #include "base/files.h"
@@ -12,6 +11,7 @@
 #include "extras/render/app/mesh_options.h"
 #include "extras/render/app/page_of.h"
 #include "extras/render/exr.h"
+#include "generated/app/extra_exports.h"
 #include "srbf/file.h"
 
 namespace SRBF_NAMESPACE {

@@ -1,7 +1,6 @@
 #include <memory>
 
 #include "app/commands.h"
-#include "app/extra_subcommands.h"
 #include "app/load.h"
 #include "app/memory.h"
 #include "app/output.h"
@@ -18,6 +17,7 @@
 #include "extras/render/raster.h"
 #include "extras/render/scene.h"
 #include "extras/render/tone.h"
+#include "generated/app/extra_subcommands.h"
 #include "srbf/file.h"
 
 namespace SRBF_NAMESPACE {
@@ -165,11 +165,11 @@ Result<MaskedSubjects> masked_by(const std::string& mask, std::span<const Pictur
     MaskedSubjects masked;
     for (const Pictured& material : materials) {
         const auto* subject = std::get_if<const LoadedFile*>(&material);
-        if (!subject) return Error{mask, {}, "materials", "measurements and models", "a map", ErrorCode::argument};
+        if (!subject) return argument_error(mask, "materials", "measurements and models", "a map");
         masked.subjects.push_back(*subject);
     }
     if (const std::size_t count = masked.subjects.size(); count < 2 || count > 3)
-        return Error{mask, {}, "materials", "two or three", std::to_string(count), ErrorCode::argument};
+        return argument_error(mask, "materials", "two or three", std::to_string(count));
     auto image = load_mask(mask);
     if (!image) return image.error();
     masked.mask = *std::move(image);

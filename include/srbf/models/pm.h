@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <span>
+#include <variant>
 #include <vector>
 
 #include "srbf/brdf.h"
@@ -42,6 +43,39 @@ inline constexpr int k_max_fitted_lobes = 64;
 /// Bounds of the length of a search as a multiple of the default.
 inline constexpr double k_min_effort = 0.01, k_max_effort = 50;
 inline constexpr std::size_t k_max_wavelengths = 4096;
+
+/// J, the number of lobes of a multivariate model, 1..k_max_fitted_lobes.
+struct LobeCount {
+    int lobes = row_of(k_default_form).lobes;
+};
+/// Chooses J. For a table it is the first of 2, 3, 4, 6, 9, 12, 16 and 24 for which pictures of a sphere have at most
+/// this mean ΔE_ITP (metrics.h) against the fitted function, or else 24. For samples it is the fewest of 2 to 12 lobes
+/// whose cross-validated error is within 3 % of the least, or, if their gaps are filled, the most that the samples
+/// determine.
+struct AutomaticLobes {
+    std::optional<double> delta_e = {};  ///< (0, 100], of a table; none: k_default_delta_e
+};
+inline constexpr double k_default_delta_e = 2;
+using PmSize = std::variant<LobeCount, AutomaticLobes>;
+
+/// A parameterized multivariate model (PM).
+struct PmRequest {
+    using Model = PmModel;
+    static constexpr std::string_view k_name = "pm";
+    static constexpr std::string_view k_about = "parameterized multivariate SRBFs, one sum of lobes for the whole BRDF";
+    /// The form of a lobe. If it is not set, a table is fitted by `reciprocal`, and samples, light that passes through
+    /// a surface and patches of directions by `extended`. A reciprocal form is fitted to the mean of the signals that
+    /// reached the instrument, (cosθv f(ωl, ωv) + cosθl f(ωv, ωl)) / (cosθv + cosθl).
+    std::optional<PmForm> form = {};
+    std::optional<int> variates = {};  ///< N, 1..k_max_variates; none: `FormRow::variates`
+    std::optional<PmSize> size = {};   ///< none: `FormRow::lobes` for a table, automatic for samples
+    std::optional<bool> axial = {};    ///< none: axial if the measurement is isotropic
+    /// Limit on the directional albedo of a channel; infinity: there is none. None: 1 in a reciprocal form, infinity in
+    /// others.
+    std::optional<double> albedo_limit = {};
+    /// The length of the search for lobes as a multiple of the default, k_min_effort..k_max_effort.
+    double effort = 1;
+};
 
 /// ρ(wl, wv) in single precision; 0 below the horizon.
 Rgb value(const PmModel& model, Vec3f wl, Vec3f wv);

@@ -57,6 +57,20 @@ inline constexpr int k_max_view_lobes = 64;
 inline constexpr int k_max_neighbours = 7;
 inline constexpr int k_min_views = 8, k_max_views = 8192;
 
+/// A view-by-view model (SU).
+struct SuRequest {
+    using Model = SuModel;
+    static constexpr std::string_view k_name = "su";
+    static constexpr std::string_view k_about =
+        "scattered univariate SRBFs, a sum of lobes for each of many view directions";
+    int lobes = 8;  ///< J per sampled direction, 1..k_max_view_lobes
+    Discretise discretise = Discretise::view;
+    int directions = 1536;  ///< n, k_min_views..k_max_views
+    SuInterpolation interpolation = SuInterpolation::rotated;
+    int neighbours = 3;                      ///< K of plain interpolation, 1..k_max_neighbours
+    std::optional<DirectionMap> index = {};  ///< if set, the file contains an index texture with this map
+};
+
 /// ρ(wl, wv) in single precision; 0 below the horizon. Continuous in both directions, except for plain interpolation
 /// where the K+1 nearest views are equally near.
 Rgb value(const SuModel& model, Vec3f wl, Vec3f wv);

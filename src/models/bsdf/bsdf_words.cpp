@@ -5,7 +5,6 @@
 #include "models/bsdf/bsdf_functions.h"
 #include "models/bsdf/bsdf_kind.h"
 #include "models/kind/parameters.h"
-#include "srbf/model.h"
 
 namespace SRBF_NAMESPACE {
 

@@ -238,7 +238,7 @@ Result<Fitted<GgxModel>> Kind<GgxModel>::fit(const Observations& observations, c
     const StandardArithmetic mode;
     if (const auto valid = validate(observations, std::size_t(3 + 5 * request.lobes)); !valid) return valid.error();
     if (request.lobes < 1 || request.lobes > k_max_ggx_lobes)
-        return Error{"fit", {}, "number of lobes", "1 or 2", std::to_string(request.lobes), ErrorCode::argument};
+        return argument_error("fit", "number of lobes", "1 or 2", std::to_string(request.lobes));
     Observations weighed = observations;
     GgxProblem sample(weighed, k_scanned_rows, conditions.threads), all(weighed, weighed.f.size(), conditions.threads);
     // Below α = 1/2, so that the grid has values for two lobes.

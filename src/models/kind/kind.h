@@ -5,21 +5,27 @@
 
 namespace SRBF_NAMESPACE {
 
-/// A specialisation for each kind of model M, in src/models/NAME/NAME_kind.h, has
-///   std::string_view name, words                       the value of `model` in its file's metadata; its name in text
-///   Safetensors content(const M&)                      tensors, rounded to 16-bit floats, and metadata
-///   Result<M> read(Safetensors&, const std::string& file_name)   the inverse; removes the metadata that it reads
-///   double largest(const M&)                           the largest number before `content` clamps it to 65504
-///   std::string summary(const M&), void add_rows(std::string& text, const M&), Parameters members(const M&),
-///   Parameters parameters(const M&), std::string formula_text(const M&, const NumberText&)   as in
-///                                                      models/kind/parameters.h
-///   bool matches(const ParameterReader&)               true if the parameters are of this kind, by a name that no
-///                                                      kind before it in `AnyModel` has
-///   M from_parameters(ParameterReader&)                the inverse of `parameters`
-/// A kind that is a list of numbers inherits all of these that it does not have from `KindOfNumbers` (numbers.h).
-/// A kind that is fitted to observations alone also has, with R its request,
-///   Result<Fitted<M>> fit(const Observations&, const R&, const FitConditions&, const ProgressToken&)
 template <typename M> struct Kind;
+
+/// A specialisation of `Kind` for each kind of model M, in src/models/NAME/NAME_kind.h, has these static members. A
+/// kind that is a list of numbers inherits all that it does not have from `KindOfNumbers` (numbers.h). A kind that is
+/// fitted to observations alone also has, with R its request,
+///   Result<Fitted<M>> fit(const Observations&, const R&, const FitConditions&, const ProgressToken&)
+template <typename M, typename K = Kind<M>>
+concept ModelKind = requires(const M& model, Safetensors& content, std::string& text, ParameterReader& reader,
+                             const NumberText& number) {
+    std::string_view(K::name), std::string_view(K::words);  // the value of `model` in its file's metadata; in text
+    { K::content(model) } -> std::same_as<Safetensors>;     // tensors, rounded to 16-bit floats, and metadata
+    { K::read(content, text) } -> std::same_as<Result<M>>;  // the inverse; removes the metadata that it reads
+    { K::largest(model) } -> std::same_as<double>;          // the largest number before `content` clamps it to 65504
+    { K::summary(model) } -> std::same_as<std::string>;     // this and the next four as in models/kind/parameters.h
+    K::add_rows(text, model);
+    { K::members(model) } -> std::same_as<Parameters>;
+    { K::parameters(model) } -> std::same_as<Parameters>;
+    { K::formula_text(model, number) } -> std::same_as<std::string>;
+    { K::matches(reader) } -> std::same_as<bool>;       // by a name that no kind before it in `AnyModel` has
+    { K::from_parameters(reader) } -> std::same_as<M>;  // the inverse of `parameters`
+};
 
 struct FitConditions {
     bool is_isotropic = true;  ///< true if the measurement is isotropic

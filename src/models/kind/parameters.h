@@ -21,7 +21,6 @@ struct Parameter {
     std::variant<std::monostate, bool, int, std::string, NumberArray, Parameters> value;
 };
 
-struct Model;
 /// The parameters of the model's formula, by the names of docs/formats.md; centres are unit vectors.
 Parameters parameters(const Model& model);
 /// The inverse of `parameters`. Rounds to the 16-bit floats of model files, except for centres that are exact already,

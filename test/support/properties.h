@@ -1,4 +1,4 @@
-// Parts of all tests: expectations of numbers and texts, the location of data, random directions.
+// Parts of all tests: expectations of numbers and texts, the location of data, and properties of values.
 #pragma once
 #include <gtest/gtest.h>
 
@@ -8,9 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "brdf/directions.h"
+#include "random_directions.h"
 #include "srbf/result.h"
-#include "srbf/vec.h"
 
 namespace srbf {
 
@@ -54,27 +53,6 @@ inline std::filesystem::path bundled_data() { return std::filesystem::path(SRBF_
 inline std::filesystem::path shared_data() {
     const char* folder = std::getenv("SRBF_DATA");
     return folder ? std::filesystem::path(folder) : std::filesystem::path(SRBF_SOURCE_DIR) / ".." / "shared" / "data";
-}
-
-/// A direction uniform on the sphere (for z ≥ z_min).
-inline Vec3d random_direction(std::mt19937_64& random, double z_min = -1) {
-    const double z = z_min + (1 - z_min) * uniform(random), phi = 2 * k_pi * uniform(random);
-    const double r = std::sqrt(std::max(0.0, 1 - z * z));
-    return {r * elementary::cos(phi), r * elementary::sin(phi), z};
-}
-
-/// A random direction. With probability ¼ it is within a degree of the horizon or of the normal.
-inline Vec3f direction_with_extremes(std::mt19937_64& random) {
-    const double pick = uniform(random);
-    if (pick < 0.125) return to_float(spherical(k_pi / 2 - uniform(random) * k_degree, 7 * uniform(random)));
-    if (pick < 0.25) return to_float(spherical(uniform(random) * k_degree, 7 * uniform(random)));
-    return to_float(random_direction(random, 1e-4));
-}
-
-/// ω rotated about the normal.
-inline Vec3f rotate(Vec3f w, double phi) {
-    const double c = std::cos(phi), s = std::sin(phi);
-    return to_float(Vec3d{c * double(w.x) - s * double(w.y), s * double(w.x) + c * double(w.y), double(w.z)});
 }
 
 /// True if `f` is zero below the horizon, and elsewhere finite and not negative. If `may_be_missing`, NaN in every

@@ -1,8 +1,8 @@
 """Compares errors on the front page and in the paper with those of fits: python3 paper/check_front_page.py PROGRAM FOLDER | --stored
 
-PROGRAM is `srbf`, which fits RGL's five files in FOLDER as the pages do; `./run paper FOLDER` calls it. With --stored nothing is fitted: the
-errors are those of docs/comparison.csv, of seed 0, and the errors of other seeds those of docs/accuracy.md. The numbers of the pages are
-read from their tables. The exit status is 1 if one of them differs, rounded as there.
+PROGRAM is `srbf`, which fits RGL's five files in FOLDER as the pages do; `./run paper FOLDER` calls it. With --stored nothing is fitted:
+the errors are those of docs/comparison.csv, of seed 0, and the errors of other seeds those of docs/accuracy.md. The numbers of the pages
+are read from their tables. The exit status is 1 if one of them differs, rounded as there.
 """
 import csv
 import os
@@ -38,7 +38,7 @@ STORED_ROWS = [(README, "a small network", "network-6-pictures"), (README, "NBRD
 COLUMN_FILES = {"mean of five measurements": FILES, "mean of the five": FILES, "the film": [FILM], "the other four": OTHERS}
 # Columns of the page on accuracy, after the name of the file.
 SEED_COLUMNS = ["least", "median", "largest", "median against the mean"]
-MEDIANS = re.compile(r"medians of six seeds are (\d+\.\d+), (\d+\.\d+) and (\d+\.\d+)", re.I)  # of the default, in the columns of the front page
+MEDIANS = re.compile(r"medians of six seeds are (\d+\.\d+), (\d+\.\d+) and (\d+\.\d+)", re.I)  # by the front page
 # Seeds of the default. Other options have seed 0 alone.
 SEEDS = {DEFAULT: range(6)}
 NUMBER = re.compile(r"\d[\d,]*(?:\.\d+)?")
@@ -79,7 +79,10 @@ def fitted(program, folder):
     models = dict.fromkeys(options for _, _, options in ROWS)
     wanted = [(path, options, seed) for options in models for path in paths for seed in SEEDS.get(options, [0])]
     fits = {}
-    for (path, options, seed), outcome in reports_of_fits(lambda path, options, seed: report_of_fit(program, path, *options, "--seed", str(seed)), wanted):
+
+    def report(path, options, seed):
+        return report_of_fit(program, path, *options, "--seed", str(seed))
+    for (path, options, seed), outcome in reports_of_fits(report, wanted):
         mean_pictures = outcome.get("mean_pictures", outcome["pictures"])
         fits[options, material_of(path), seed] = outcome["pictures"]["delta_e_itp"], mean_pictures["delta_e_itp"], outcome["payload_bytes"]
     return fits
@@ -139,7 +142,8 @@ def stored_numbers():
     models = [(path, name, STORED_MODELS[options]) for path, name, options in ROWS if options in STORED_MODELS]
     for path, name, model in models + STORED_ROWS:
         row = row_of(path, name)
-        yield path, f"{name}, bytes", NUMBER.search(row["bytes"])[0].replace(",", ""), max(int(rows[file, model]["payload"]) for file in FILES)
+        size = max(int(rows[file, model]["payload"]) for file in FILES)
+        yield path, f"{name}, bytes", NUMBER.search(row["bytes"])[0].replace(",", ""), size
         for column, files in COLUMN_FILES.items():
             if column in row:
                 yield path, f"{name}, {column}", row[column], statistics.fmean(float(rows[file, model]["delta_e_itp"]) for file in files)

@@ -84,12 +84,12 @@ def table_of(path):
 
 def reflected(terms, table, normal, viewer, light):
     """f cosθl of a sum of closures, in the terms of extras/blender/closures.h; vectors [n, 3]."""
-    dot = lambda a, b: (a * b).sum(-1)  # noqa: E731
-    unit = lambda a: a / np.linalg.norm(a, axis=-1, keepdims=True)  # noqa: E731
+    dot = lambda a, b: (a * b).sum(-1)
+    unit = lambda a: a / np.linalg.norm(a, axis=-1, keepdims=True)
     nv, nl = dot(normal, viewer), dot(normal, light)
     x = np.arccos(np.clip(nv, 0, 1)) / (np.pi / 2) * (table.shape[1] - 1)
     i = np.minimum(x.astype(int), table.shape[1] - 2)
-    row = lambda k: table[k, i] + (x - i)[:, None] * (table[k, i + 1] - table[k, i])  # noqa: E731
+    row = lambda k: table[k, i] + (x - i)[:, None] * (table[k, i + 1] - table[k, i])
     away = unit(nv[:, None] * normal - viewer)
     h = unit(viewer + light)
     ramp = len(table) - 2 * terms

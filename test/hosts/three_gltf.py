@@ -19,8 +19,8 @@ import numpy as np
 from support.checks import arguments, finish, skip, srbf
 from support.chromium import WEBGL, Chromium, program as chromium
 from support.visible_error import delta_e, displayed, exposure, hdr_of
-from support.surface_drawing import (BRUSHED, DISTANCE, ELEVATION, FIELD, MATERIALS, SAMPLES, SIZE, errors_of, expect_brushed, expect_errors,
-                                     on_sphere, pixels_of, studio as environment)
+from support.surface_drawing import (BRUSHED, DISTANCE, ELEVATION, FIELD, MATERIALS, SIZE, drawn as rendered, errors_of, expect_brushed,
+                                     expect_errors, on_sphere, studio as environment)
 
 found = next((Path(p) / "nicegui/elements/scene/dist" for p in sys.path if (Path(p) / "nicegui/elements/scene/dist/index.js").exists()), None)
 if found is None or chromium() is None or importlib.util.find_spec("OpenEXR") is None:
@@ -28,10 +28,8 @@ if found is None or chromium() is None or importlib.util.find_spec("OpenEXR") is
 
 _, data, further = arguments()
 # By formulas of three.js' own, which docs/surface.md names, and by its blurred map of the environment: the page's figures, and 15 % more.
-LARGEST_RATIOS = {
-    "lights": dict(zip(MATERIALS, (1.8, 1.4, 3.7, 2.0, 1.4))),
-    "environment": dict(zip(MATERIALS, (2.6, 5.1, 18.5, 15, 3.7))),
-}
+RATIOS = {"lights": (1.8, 1.4, 3.7, 2.0, 1.4), "environment": (2.6, 5.1, 18.5, 15, 3.7)}
+LARGEST_RATIOS = {kind: dict(zip(MATERIALS, ratios)) for kind, ratios in RATIOS.items()}
 THREE = ("--env", "none", "--lights", "three")
 LIGHTS = [((-6 / 11, 6 / 11, 7 / 11), 3), ((6 / 7, 2 / 7, -3 / 7), 2), ((1 / 3, -2 / 3, 2 / 3), 0.5)]  # in the camera's frame
 
@@ -88,12 +86,6 @@ def drawn(page, glb, lights, texels):
     return pixels[::-1, :, :3].astype(float)
 
 
-def rendered(subject, out, words):
-    srbf("render", subject, "-o", out, "--mesh", "sphere", *words, "--no-ground", "--no-occlusion",
-         "--size", f"{SIZE}x{SIZE}", "--spp", SAMPLES)
-    return pixels_of(out)
-
-
 inside = on_sphere()
 rows = []
 with tempfile.TemporaryDirectory() as folder:
@@ -111,7 +103,7 @@ with tempfile.TemporaryDirectory() as folder:
             srbf("export", model, "--to", "glb", "-o", glb)
             row = []
             for words, lights, texels in ((THREE, LIGHTS, None), (("--env", environment), [], hdr_of(environment))):
-                pictures = [rendered(subject, f"{folder}/{name}-{len(row)}-{i}.exr", words) for i, subject in enumerate((measured, model))]
+                pictures = [rendered(subject, f"{folder}/{name}-{len(row)}-{i}.exr", light=words) for i, subject in enumerate((measured, model))]
                 pictures.append(drawn(page, glb, lights, texels))
                 reference, surface, three = (picture[inside] for picture in pictures)
                 kind = "lights" if texels is None else "environment"
@@ -120,7 +112,7 @@ with tempfile.TemporaryDirectory() as folder:
                 row += [displayed(picture, by) for picture in pictures]
             rows.append(np.concatenate(row, axis=1))
         srbf("export", BRUSHED, "--to", "glb", "-o", f"{folder}/brushed.glb")
-        ours, three = rendered(BRUSHED, f"{folder}/brushed.exr", THREE), drawn(page, f"{folder}/brushed.glb", LIGHTS, None)
+        ours, three = rendered(BRUSHED, f"{folder}/brushed.exr", light=THREE), drawn(page, f"{folder}/brushed.glb", LIGHTS, None)
         expect_brushed("three.js", delta_e(three[inside], ours[inside]))
         rows.append(np.concatenate([displayed(picture, exposure(ours[inside])) for picture in (0 * ours, ours, three, *3 * [0 * ours])], axis=1))
     finally:

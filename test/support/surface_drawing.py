@@ -82,9 +82,9 @@ def drawn_by_cycles(script, out, lamp=None, environment=studio):
     return pixels_of(out)
 
 
-def drawn(subject, out, environment=studio):
-    """Draws by `srbf render`."""
-    srbf("render", subject, "-o", out, "--mesh", "sphere", "--env", environment, "--no-ground", "--no-occlusion",
+def drawn(subject, out, environment=studio, light=()):
+    """Draws by `srbf render`, under the environment or by other options of light."""
+    srbf("render", subject, "-o", out, "--mesh", "sphere", *(light or ("--env", environment)), "--no-ground", "--no-occlusion",
          "--size", f"{SIZE}x{SIZE}", "--spp", SAMPLES)
     return pixels_of(out)
 

@@ -1,6 +1,7 @@
 // PROGRAM [--of=NOUN] [googletest's options]: runs the tests of all its files, or those of NOUN_test.cpp.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <string>
 #include <string_view>
@@ -29,12 +30,11 @@ int main(int count, char** arguments) {
     constexpr std::string_view option = "--of=";
     const std::string_view selection = count == 2 ? arguments[1] : "";
     if (count > 1) {
-        const bool is_option = selection.starts_with(option);
-        const std::string file = is_option ? std::string(selection.substr(option.size())) + "_test.cpp" : "";
-        const std::string tests = is_option ? tests_of("/" + file) : "";
+        const std::string noun(selection.substr(std::min(option.size(), selection.size())));
+        const std::string tests = selection.starts_with(option) ? tests_of("/" + noun + "_test.cpp") : "";
         if (tests.empty()) {
-            const std::string reason = is_option ? "no tests in " + file : std::string("expected one option");
-            std::fprintf(stderr, "usage: %s [--of=NOUN] [googletest's options]; %s\n", arguments[0], reason.c_str());
+            std::fprintf(stderr, "usage: %s [--of=NOUN] [googletest's options]; found %s\n", arguments[0],
+                         arguments[1]);
             return 2;
         }
         // A filter of what not to run holds among them; another one takes their place.

@@ -83,8 +83,7 @@ class ProgramTest : public testing::Test {
         const ProgramRun failed = run_srbf(folder, arguments, std::move(out));
         EXPECT_EQ(failed.status, status);
         EXPECT_EQ(failed.out, "");
-        EXPECT_TRUE(failed.err.starts_with("srbf: ")) << failed.err;
-        EXPECT_EQ(failed.err.find('\n'), failed.err.size() - 1) << failed.err;
+        EXPECT_ONE_LINE(failed.err, "srbf: ");
         EXPECT_CONTAINS(failed.err, named);
         EXPECT_EQ(folder.files(), before);
     }

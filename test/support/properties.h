@@ -28,6 +28,27 @@ constexpr bool k_is_sanitized = SRBF_IS_SANITIZED;
 #define ASSERT_WITHIN(a, b, tolerance) ASSERT_PRED3(::srbf::near, a, b, tolerance)
 #define EXPECT_WITHIN_RELATIVE(a, b, tolerance) EXPECT_PRED3(::srbf::near_relative, a, b, tolerance)
 
+/// |a − b| ≤ relative |b| + absolute in each channel. A failure names the channel.
+#define EXPECT_RGB_WITHIN_RELATIVE(a, b, relative, absolute) \
+    EXPECT_PRED_FORMAT4(::srbf::rgb_near, a, b, relative, absolute)
+#define ASSERT_RGB_WITHIN_RELATIVE(a, b, relative, absolute) \
+    ASSERT_PRED_FORMAT4(::srbf::rgb_near, a, b, relative, absolute)
+#define EXPECT_RGB_WITHIN(a, b, absolute) EXPECT_RGB_WITHIN_RELATIVE(a, b, 0, absolute)
+#define ASSERT_RGB_WITHIN(a, b, absolute) ASSERT_RGB_WITHIN_RELATIVE(a, b, 0, absolute)
+inline double channel(const Rgb& colour, int c) { return double(colour[c]); }
+template <typename Channels> double channel(const Channels& channels, int c) {
+    return double(channels[std::size_t(c)]);
+}
+template <typename A, typename B>
+testing::AssertionResult rgb_near(const char* a_text, const char* b_text, const char*, const char*, const A& a,
+                                  const B& b, double relative, double absolute) {
+    for (int c = 0; c < 3; ++c)
+        if (!near(channel(a, c), channel(b, c), relative * std::abs(channel(b, c)) + absolute))
+            return testing::AssertionFailure() << a_text << " has " << channel(a, c) << " and " << b_text << ' '
+                                               << channel(b, c) << " in channel " << c;
+    return testing::AssertionSuccess();
+}
+
 /// Expects that a text contains a part, or lacks it. A failure prints the part and the beginning of the text.
 #define EXPECT_CONTAINS(text, part) EXPECT_PRED_FORMAT2(::srbf::contains, text, part)
 #define EXPECT_LACKS(text, part) EXPECT_PRED_FORMAT2(::srbf::lacks, text, part)
@@ -36,6 +57,14 @@ inline testing::AssertionResult contains(const char*, const char*, std::string_v
 }
 inline testing::AssertionResult lacks(const char*, const char*, std::string_view text, std::string_view part) {
     return testing::AssertionResult(text.find(part) == text.npos) << part << "\nis in\n" << text.substr(0, 4096);
+}
+
+/// Expects one line with its end, which begins like this.
+#define EXPECT_ONE_LINE(text, beginning) EXPECT_PRED_FORMAT2(::srbf::is_one_line, text, beginning)
+inline testing::AssertionResult is_one_line(const char*, const char*, std::string_view text, std::string_view begin) {
+    return testing::AssertionResult(text.starts_with(begin) && text.find('\n') + 1 == text.size())
+           << "expected one line that begins with \"" << begin << "\", found\n"
+           << text.substr(0, 4096);
 }
 
 /// The message of a result's error; empty if there is none.

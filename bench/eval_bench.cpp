@@ -10,6 +10,7 @@
 
 #include "brdf/directions.h"
 #include "measured/tables.h"
+#include "models.h"
 #include "models/ggx/ggx_kind.h"
 #include "one_target.h"
 #include "srbf/measured.h"
@@ -41,29 +42,6 @@ Pairs random_pairs(std::size_t count) {
     return pairs;
 }
 
-/// A model of J lobes in N variates, with bandwidths from 0.1 to 1000.
-PmModel random_model(PmForm form, int lobes, int variates, bool axial) {
-    std::mt19937_64 random(2);
-    const auto number = [&] { return float(uniform(random)); };
-    PmModel model;
-    model.form = form;
-    model.axial = axial;
-    for (int i = 0; i < lobes * features(form); ++i) model.exponent.push_back(number());
-    model.lobes = lobes;
-    model.variates = variates;
-    for (int j = 0; j < lobes; ++j) {
-        model.coefficient.push_back({number(), number(), number()});
-        model.log_scale.push_back(number());
-    }
-    for (int i = 0; i < lobes * variates; ++i) {
-        const double z = 2 * uniform(random) - 1;
-        model.centre.push_back(axial ? Vec3f(0, 0, z < 0 ? -1 : 1) : to_float(spherical(std::acos(z), 6 * z)));
-        model.bandwidth.push_back(std::pow(10.f, 4 * number() - 1));
-    }
-    for (int n = 0; n < variates; ++n) model.parameterization.push_back({number(), number()});
-    return model;
-}
-
 /// A table of the database's size without masked cells.
 MerlTable merl_table() {
     MerlTable table;
@@ -86,7 +64,12 @@ template <Brdf B> void evaluate(benchmark::State& state, const B& brdf) {
 }
 
 PmModel model_of(const benchmark::State& state) {
-    return random_model(PmForm(state.range(0)), int(state.range(1)), int(state.range(2)), state.range(3) != 0);
+    std::mt19937_64 random(2);
+    return random_model(random, {.axial = state.range(3) != 0,
+                                 .lobes = int(state.range(1)),
+                                 .variates = int(state.range(2)),
+                                 .max_bandwidth = 1000,
+                                 .form = PmForm(state.range(0))});
 }
 void sizes(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"form", "J", "N", "axial"});     // form: 0 gaussian, 1 horizon, 2 extended, 3 reciprocal

@@ -61,7 +61,8 @@ def add_rows(program, paths):
         out = csv.writer(file, lineterminator="\n")
         if not rows:
             out.writerow(["material", "setting", "seed", *ERRORS])
-        fit = lambda path, setting, seed: report_of_fit(program, path, "--seed", str(seed), SRBF_TIMES=setting)
+        def fit(path, setting, seed):
+            return report_of_fit(program, path, "--seed", str(seed), SRBF_TIMES=setting)
         for (path, setting, seed), outcome in reports_of_fits(fit, missing):
             out.writerow([material_of(path), setting, seed, *(f"{error(outcome):.5g}" for error in ERRORS.values())])
             file.flush()
@@ -85,7 +86,8 @@ def main():
         add_rows(sys.argv[1], sys.argv[2:])
     with open(comparison.PAPER, encoding="utf-8") as file:
         page = file.read()
-    comparison.write_or_check({comparison.PAPER: comparison.replace_table(page, "ablation", ablation_table(read()))}, "ablation", "paper/ablation.py")
+    page = comparison.replace_table(page, "ablation", ablation_table(read()))
+    comparison.write_or_check({comparison.PAPER: page}, "ablation", "paper/ablation.py")
 
 
 if __name__ == "__main__":

@@ -177,7 +177,7 @@ def plot(rows):
     width, height, left, top = 760, 360, 50, 20
     step = (width - left - 20) / max(len(order), 1)
     low, high = 0.2, max(50, *(float(row["delta_e_itp"]) for row in rows))
-    y = lambda error: top + (height - top - 30) * (1 - np.log(max(error, low) / low) / np.log(high / low))  # noqa: E731
+    y = lambda error: top + (height - top - 30) * (1 - np.log(max(error, low) / low) / np.log(high / low))
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height + 20}" font-family="sans-serif" font-size="12">',
            '<rect width="100%" height="100%" fill="white"/>']
     for error in (0.2, 0.5, 1, 2, 5, 10, 20, 50):

@@ -4,6 +4,7 @@
 #include "models.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/ggx/ggx_kind.h"
+#include "properties.h"
 #include "srbf/brdf.h"
 #include "srbf/shading_code.h"
 #include "statistics.h"

@@ -4,6 +4,7 @@
 #include "models.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/ggx/ggx_kind.h"
+#include "properties.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"
@@ -43,8 +44,7 @@ TEST(Bsdf, PartsHaveFramesOfTheirOwn) {
     for (const int n : asked) EXPECT_GT(n, 50);
     std::vector<Rgb> f(lights.size());
     evaluator(model)(lights, views, f);
-    for (std::size_t i = 0; i < f.size(); ++i)
-        for (int c = 0; c < 3; ++c) EXPECT_WITHIN(f[i][c], value(model, lights[i], views[i])[c], 1e-5);
+    for (std::size_t i = 0; i < f.size(); ++i) EXPECT_RGB_WITHIN(f[i], value(model, lights[i], views[i]), 1e-5);
     EXPECT_EQ(value(model, {1, 0, 0}, {0, 0, 1}), Rgb{});
     EXPECT_FALSE(to_part_frame({1, 0, 1e-40f}, {0, 0, 1}).has_value());
 }
@@ -97,7 +97,7 @@ TEST(Bsdf, RefusesBadBeams) {
         BsdfModel bsdf = lobe_bsdf_with_beams();
         bsdf.beam[2] = {{0.25f, 0.5f}, std::vector<Rgb>(nodes, Rgb{0.1f, 0.2f, 0.3f}), std::move(azimuths)};
         const auto again = read_model(write_model({bsdf, {}}), "f");
-        return again ? std::string() : message(again.error());
+        return error_text(again);
     };
     EXPECT_EQ(error_of({1, 3}, 4), "");
     EXPECT_EQ(error_of({1, 3}, 3), "f: tensor 'beam.transmission.share': shape: expected [4, 3], found [3, 3]");

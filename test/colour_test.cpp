@@ -58,7 +58,7 @@ TEST(Colour, SmoothSpectraDoNotDependOnTheirSampling) {
         return to_rgb(spectrum, rgb_weights(nm));
     };
     const Rgb fine = colour_of(every(1, 360, 830)), coarse = colour_of(every(5, 360, 830));
-    for (int c = 0; c < 3; ++c) EXPECT_WITHIN(coarse[c], fine[c], 1e-3);
+    EXPECT_RGB_WITHIN(coarse, fine, 1e-3);
 }
 
 }  // namespace

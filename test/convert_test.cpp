@@ -105,10 +105,10 @@ TEST(Convert, MbsdfTablesSurviveARoundTrip) {
 TEST(Convert, MbsdfTablesApproximateTheirBrdf) {
     const PmModel model = glossy();
     const auto small = to_mbsdf(evaluator(model), {.polar = 45, .azimuths = 90, .metadata = {}});
-    EXPECT_LT(error_ratio(evaluator(model), evaluator(Measured{"", "", 0, small})), 2e-3);
+    EXPECT_LT(error_ratio(evaluator(model), evaluator(measured_of(small))), 2e-3);
     const auto table = to_mbsdf(evaluator(model));
     EXPECT_EQ(table.cells.size(), 90u * 90 * 181);
-    EXPECT_LT(error_ratio(evaluator(model), evaluator(Measured{"", "", 0, table})), 2e-4);
+    EXPECT_LT(error_ratio(evaluator(model), evaluator(measured_of(table))), 2e-4);
     EXPECT_EQ(table.cells[0].g, 7.2f);  // both directions along the normal
     EXPECT_FALSE(table.grey);
     for (const auto& name : k_bundled) {
@@ -278,7 +278,7 @@ TEST(Convert, ReflectanceSpectraHaveTheirColour) {
         const Rgb colour{float(uniform(random)), float(uniform(random)), float(uniform(random))};
         const auto spectrum = reflectance_spectrum(colour);
         const Rgb result = to_rgb(spectrum, weights);
-        for (int c = 0; c < 3; ++c) EXPECT_WITHIN(result[c], colour[c], 3e-6);
+        EXPECT_RGB_WITHIN(result, colour, 3e-6);
         for (const float r : spectrum) EXPECT_TRUE(r >= 0 && r <= 1);
     }
     for (const float r : reflectance_spectrum({1, 1, 1})) EXPECT_WITHIN(r, 1, 2e-6);
@@ -375,8 +375,7 @@ TEST(Convert, SamplesSurviveARoundTrip) {
     const ScatteredSamples samples = to_samples(evaluator(model), true, 20, 89 * k_degree);
     ASSERT_EQ(samples.wl.size(), 400u);
     for (std::size_t i = 0; i < samples.wl.size(); ++i)
-        for (int c = 0; c < 3; ++c)
-            EXPECT_WITHIN_RELATIVE(samples.colour[i][c], value(model, samples.wl[i], samples.wv[i])[c], 1e-4);
+        EXPECT_RGB_WITHIN_RELATIVE(samples.colour[i], value(model, samples.wl[i], samples.wv[i]), 1e-4, 0);
     const auto colours = checked(read_csv(as_bytes(write_csv(samples)), "m", {}));
     EXPECT_EQ(colours->colour, samples.colour);
     EXPECT_TRUE(colours->isotropic);

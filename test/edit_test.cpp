@@ -10,6 +10,7 @@
 #include "microsurface_walk.h"
 #include "models.h"
 #include "observe/albedo_bound.h"
+#include "properties.h"
 #include "srbf/kernel.h"
 #include "srbf/sampling.h"
 #include "statistics.h"
@@ -56,7 +57,7 @@ Model with_edit(const Model& model, const Edit& edit) {
 TEST(Edit, SeparatesHighlightAndBody) {
     const Model fit = k_materials[0].fit();
     const Rgb body = albedo(evaluator(separate_highlight(pm(fit)).body), 0.5, k_pi / 2);
-    for (int c = 0; c < 3; ++c) EXPECT_WITHIN_RELATIVE(body[c], k_materials[0].truth.diffuse[c], 0.05);
+    EXPECT_RGB_WITHIN_RELATIVE(body, k_materials[0].truth.diffuse, 0.05, 0);
     const Model metal = k_materials[1].fit();
     EXPECT_LT(albedo(evaluator(separate_highlight(pm(metal)).body), 0.5, k_pi / 2).r, 0.02f);
 }
@@ -123,7 +124,7 @@ TEST(Edit, HueKeepsLuminanceAndSaturationEndsInGrey) {
         const Rgb colour = pm(model).coefficient[j];
         EXPECT_WITHIN(grey.coefficient[j].r, luminance(colour), 1e-6);
         EXPECT_WITHIN(grey.coefficient[j].b, luminance(colour), 1e-6);
-        for (int c = 0; c < 3; ++c) EXPECT_WITHIN(turn.coefficient[j][c], colour[c], 1e-6);
+        EXPECT_RGB_WITHIN(turn.coefficient[j], colour, 1e-6);
         const Rgb moved = third.coefficient[j];
         EXPECT_TRUE(std::min({moved.r, moved.g, moved.b}) == 0 || near(luminance(moved), luminance(colour), 1e-6));
     }

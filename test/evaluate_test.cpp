@@ -1,10 +1,10 @@
 // Models on arrays of pairs, and prepared for single ones, against kernel.glsl in double, for each instruction set of
 // this machine.
-
 #include "brdf/colour.h"
 #include "models.h"
 #include "models/pm/pm_functions.h"
 #include "one_target.h"
+#include "properties.h"
 #include "srbf/kernel.h"
 #include "srbf/prepared.h"
 
@@ -25,11 +25,10 @@ std::vector<Rgb> evaluated(const PmModel& model, const Pairs& pairs) {
     return f;
 }
 
-Vec3d widen(Vec3f w) { return {double(w.x), double(w.y), double(w.z)}; }
 std::vector<Vec3d> exact(const PmModel& model, const Pairs& pairs) {
     std::vector<Vec3d> f;
     for (std::size_t i = 0; i < pairs.wl.size(); ++i) {
-        const Vec3d wl = widen(pairs.wl[i]), wv = widen(pairs.wv[i]);
+        const Vec3d wl = to_double(pairs.wl[i]), wv = to_double(pairs.wv[i]);
         f.push_back(wl.z > 0 && wv.z > 0 ? Kernel<double>::pm_value(model, wl, wv) : Vec3d());
     }
     return f;

@@ -110,8 +110,7 @@ class Failures : public ProgramTest {
         const ProgramRun result = run_with(task, failure, calls);
         EXPECT_TRUE(result.status == 0 || result.status == 1) << result.status << " " << result.err;
         if (result.status == 1) {
-            EXPECT_TRUE(result.err.starts_with("srbf: ")) << result.err;
-            EXPECT_EQ(result.err.find('\n'), result.err.size() - 1) << result.err;
+            EXPECT_ONE_LINE(result.err, "srbf: ");
         }
         for (const auto& [name, content] : expected) {
             EXPECT_TRUE(is_old_or_complete(name, content)) << name;

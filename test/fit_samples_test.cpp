@@ -10,6 +10,7 @@
 #include "errors/picture_errors.h"
 #include "fit/cross_validated_fits.h"
 #include "fit/request_traits.h"
+#include "measured_files.h"
 #include "models/ggx/ggx_kind.h"
 #include "models/pm/pm_functions.h"
 #include "properties.h"
@@ -183,7 +184,7 @@ TEST(Folds, FewGroupsAreAnError) {
     make_index(samples);
     const auto fold = assign_folds(samples, k_cap, 0);
     ASSERT_FALSE(fold.ok());
-    EXPECT_CONTAINS(message(fold.error()), "expected at least 5, found 4");
+    EXPECT_CONTAINS(error_text(fold), "expected at least 5, found 4");
 }
 
 TEST(FitSamples, NoiseIsNotFitted) {
@@ -320,7 +321,7 @@ TEST(GapFilledSamples, RecoverAMicrofacetModel) {
     const ScatteredSamples samples =
         goniometer_samples([](Vec3d wl, Vec3d wv) { return value(paint, to_float(wl), to_float(wv)); });
     const auto completed = checked(fill_gaps(samples, k_cap));
-    const Evaluate others[] = {evaluator(*completed), evaluator(Measured{"", "", 0, samples})};
+    const Evaluate others[] = {evaluator(*completed), evaluator(measured_of(samples))};
     const auto errors = measure_heldout(rgb_channels(evaluator(paint)), rgb_channels(others), {k_cap}, 20000);
     EXPECT_LT(errors[0].squared_error_ratio, 0.001);
     EXPECT_GT(errors[1].squared_error_ratio, 0.1);  // the interpolated samples
@@ -607,11 +608,10 @@ TEST(FitSamples, GapsAreFilledForSpectraAsForColours) {
 TEST(FitSamples, TooFewOrUnusableSamplesAreAnError) {
     const auto error_message = [](const ScatteredSamples& samples, int lobes) {
         const auto observations = observe(samples, {Objective::raw, k_cap, 0});
-        if (!observations) return message(observations.error());
+        if (!observations) return error_text(observations);
         PmFitOptions sample_options;
         sample_options.lobes = lobes, sample_options.starts = 1, sample_options.perturbations = 0;
-        const auto fit = fit_pm(*observations, sample_options);
-        return fit ? std::string() : message(fit.error());
+        return error_text(fit_pm(*observations, sample_options));
     };
     EXPECT_CONTAINS(error_message(samples_of(20, 0, 9), 8), "samples: expected at least 96 values, found 60");
     EXPECT_EQ(error_message(samples_of(40, 0, 9), 2), "");

@@ -119,7 +119,7 @@ TEST_P(DefaultFit, ReflectsTheMeasuredLightAtGrazingAngles) {
                   found = albedo(evaluator(outcome().model), theta, k_pi / 2);
         for (int c = 0; c < 3; ++c) {
             EXPECT_LE(found[c], 1.003f) << cosine;
-            EXPECT_NEAR(found[c], expected[c], 0.04) << cosine;
+            EXPECT_WITHIN(found[c], expected[c], 0.04) << cosine;
         }
     }
 }

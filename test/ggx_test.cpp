@@ -52,7 +52,7 @@ TEST(Ggx, IsReciprocalIsotropicAndNeverNegative) {
 TEST(Ggx, ALambertianReflectsItsColour) {
     const GgxModel model{{0.2f, 0.5f, 0.9f}, {{0.3f, {}, 0}}};
     for (const double theta : {0.0, 1.0, 1.4})
-        for (int c = 0; c < 3; ++c) EXPECT_WITHIN(albedo(evaluator(model), theta, k_pi / 2)[c], model.diffuse[c], 2e-4);
+        EXPECT_RGB_WITHIN(albedo(evaluator(model), theta, k_pi / 2), model.diffuse, 2e-4);
 }
 
 TEST(Ggx, FacetsReflectNoMoreThanTheyGetAndSmoothOnesAll) {

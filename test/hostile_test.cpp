@@ -223,9 +223,8 @@ TEST_F(Hostile, MemoryStaysWithinTheLimit) {
             ++(result.status == 0 ? succeeded : failed);
             if (result.status == 0) continue;
             EXPECT_EQ(result.status, 1);
-            EXPECT_TRUE(result.err.starts_with("srbf: ") && result.err.find("out of memory") != result.err.npos)
-                << result.err;
-            EXPECT_EQ(result.err.find('\n'), result.err.size() - 1) << result.err;
+            EXPECT_ONE_LINE(result.err, "srbf: ");
+            EXPECT_CONTAINS(result.err, "out of memory");
         }
     EXPECT_GE(succeeded, is_built({"render", "html"}) ? 5 : 3);
     EXPECT_GE(failed, 1);

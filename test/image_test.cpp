@@ -180,7 +180,7 @@ TEST(Preview, ShowsTenTimesTheDifferenceAtTheExposureOfTheMeasured) {
         for_each_inside([&](int x, int y) {
             const Rgb8 expected = seen(truth.at(x, y), factor);
             EXPECT_EQ(pixel(image, 0, x, y), seen(truth.at(x, y), 1));
-            for (std::size_t c = 0; c < 3; ++c) EXPECT_WITHIN(pixel(image, 2, x, y)[c], expected[c], 1);
+            EXPECT_RGB_WITHIN(pixel(image, 2, x, y), expected, 1);
         });
     }
     EXPECT_EQ(square(small_preview(measured, low), 0), square(small_preview(measured, Glossy{1000}), 0));

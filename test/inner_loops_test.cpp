@@ -86,7 +86,6 @@ TEST_P(InnerLoops, WeightsOfRowsSumToOne) {
 
 TEST_P(InnerLoops, AxialFeatureIsTheExponentOfAKernelAtTheNormal) {
     using K = Kernel<double>;
-    const auto widened = [](Vec3f w) { return Vec3d(double(w.x), double(w.y), double(w.z)); };
     for (int trial = 0; trial < 20; ++trial) {
         const double angle = 2 * k_pi * uniform(random_), h = 1e-5;
         Aligned<float> s(k_block), derivative(k_block);
@@ -94,8 +93,8 @@ TEST_P(InnerLoops, AxialFeatureIsTheExponentOfAKernelAtTheNormal) {
             variate_features(rows_, block, 0, float(std::cos(angle)), float(std::sin(angle)), true, s.data(),
                              derivative.data());
             for (std::size_t i = 0; i < k_block && block * k_block + i < k_count; ++i) {
-                const Vec3d wl = widened(observations_.wl[block * k_block + i]),
-                            wv = widened(observations_.wv[block * k_block + i]);
+                const Vec3d wl = to_double(observations_.wl[block * k_block + i]),
+                            wv = to_double(observations_.wv[block * k_block + i]);
                 const auto psi = [&](double t) { return K::psi(wl, wv, std::cos(t), std::sin(t)); };
                 const Vec3d d = std::cos(angle) * wl + std::sin(angle) * wv;
                 const double steepness = 1 / std::sqrt(dot(d, d));
@@ -111,7 +110,6 @@ TEST_P(InnerLoops, AxialFeatureIsTheExponentOfAKernelAtTheNormal) {
 }
 
 TEST_P(InnerLoops, GeneralFeaturesMatchTheKernel) {
-    const auto widened = [](Vec3f w) { return Vec3d(double(w.x), double(w.y), double(w.z)); };
     using K = Kernel<double>;
     const double a = std::cos(0.4), b = std::sin(0.4);
     Aligned<float> s(3 * k_block), derivative(3 * k_block);
@@ -120,7 +118,7 @@ TEST_P(InnerLoops, GeneralFeaturesMatchTheKernel) {
         const bool is_exchanged = block % 2 == 1;
         variate_features(rows_, block / 2, int(is_exchanged), float(a), float(b), false, s.data(), derivative.data());
         for (std::size_t i = 0; i < k_block && first + i < k_count; ++i) {
-            Vec3d wl = widened(observations_.wl[first + i]), wv = widened(observations_.wv[first + i]);
+            Vec3d wl = to_double(observations_.wl[first + i]), wv = to_double(observations_.wv[first + i]);
             if (is_exchanged) std::swap(wl, wv);
             const Vec3d psi = K::psi(wl, wv, a, b), psi_derivative = K::psi_by_angle(wl, wv, a, b);
             const double expected[] = {psi.x, psi.y, psi.z - 1, psi_derivative.x, psi_derivative.y, psi_derivative.z};
@@ -133,7 +131,6 @@ TEST_P(InnerLoops, GeneralFeaturesMatchTheKernel) {
 }
 
 TEST_P(InnerLoops, FurtherFeaturesMatchTheKernel) {
-    const auto widened = [](Vec3f w) { return Vec3d(double(w.x), double(w.y), double(w.z)); };
     for (const PmForm form : k_forms) {
         const int count = features(form);
         Aligned<float> x(std::size_t(count) * k_block);
@@ -141,8 +138,8 @@ TEST_P(InnerLoops, FurtherFeaturesMatchTheKernel) {
             further_features(rows_, block, count, x.data());
             for (std::size_t i = 0; i < k_block && block * k_block + i < k_count; ++i) {
                 const auto expected =
-                    Kernel<double>::pm_further_features(count, widened(observations_.wl[block * k_block + i]),
-                                                        widened(observations_.wv[block * k_block + i]));
+                    Kernel<double>::pm_further_features(count, to_double(observations_.wl[block * k_block + i]),
+                                                        to_double(observations_.wv[block * k_block + i]));
                 for (std::size_t k = 0; k < std::size_t(count); ++k) {
                     const double tolerance = k == 0 ? 2e-5 * (1 + std::abs(expected.x[k])) : 1e-6;
                     EXPECT_WITHIN(x[k * k_block + i], expected.x[k], tolerance) << k;

@@ -1,6 +1,8 @@
 // PROGRAM [--of=NOUN] [googletest's options]: runs the tests of all its files, or those of NOUN_test.cpp.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdio>
 #include <string>
 #include <string_view>
 
@@ -27,10 +29,14 @@ int main(int count, char** arguments) {
     testing::InitGoogleTest(&count, arguments);
     constexpr std::string_view option = "--of=";
     const std::string_view selection = count == 2 ? arguments[1] : "";
-    if (count > 1 && !selection.starts_with(option)) return 2;
-    if (count == 2) {
-        const std::string tests = tests_of("/" + std::string(selection.substr(option.size())) + "_test.cpp");
-        if (tests.empty()) return 2;
+    if (count > 1) {
+        const std::string noun(selection.substr(std::min(option.size(), selection.size())));
+        const std::string tests = selection.starts_with(option) ? tests_of("/" + noun + "_test.cpp") : "";
+        if (tests.empty()) {
+            std::fprintf(stderr, "usage: %s [--of=NOUN] [googletest's options]; found %s\n", arguments[0],
+                         arguments[1]);
+            return 2;
+        }
         // A filter of what not to run holds among them; another one takes their place.
         std::string& filter = testing::GTEST_FLAG(filter);
         if (filter == "*") filter = tests;

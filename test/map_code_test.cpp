@@ -4,6 +4,7 @@
 #include "brdf/colour.h"
 #include "compiled_code.h"
 #include "models.h"
+#include "properties.h"
 #include "srbf/elementary.h"
 #include "srbf/prepared.h"
 #include "srbf/sampling.h"
@@ -88,7 +89,7 @@ Rgb mean(const TexelMap& map, const std::vector<std::size_t>& texels, const Pair
     return sum;
 }
 void expect_near(const Rgb& found, const Rgb& expected, float relative, const std::string& texel) {
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], relative * expected[c] + 1e-30f) << texel;
+    EXPECT_RGB_WITHIN_RELATIVE(found, expected, relative, 1e-30) << texel;
 }
 
 class MapCode : public CodeTest {};
@@ -156,7 +157,7 @@ TEST_F(MapCode, LevelsAreMeans) {
             for (std::size_t i = 0; i < map.coefficient.size(); ++i)
                 for (std::size_t c = 0; c < 3; ++c)
                     finest_mean[3 * (i % J) + c] += double(map.coefficient[i][int(c)]) / double(map.count());
-            for (std::size_t i = 0; i < 3 * J; ++i) EXPECT_NEAR(mean[i], finest_mean[i], 1e-6);
+            for (std::size_t i = 0; i < 3 * J; ++i) EXPECT_WITHIN(mean[i], finest_mean[i], 1e-6);
         }
         EXPECT_EQ(texture.levels.back().size(), 4 * J);  // of one texel
     }

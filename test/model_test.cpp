@@ -6,6 +6,7 @@
 #include "models.h"
 #include "models/kind/parameters.h"
 #include "models/pm/pm_functions.h"
+#include "properties.h"
 #include "srbf/file.h"
 #include "temporary_folder.h"
 

@@ -58,12 +58,8 @@ TEST(OpenPbr, RotatesWithItsTangentAndIsFiniteAndNotNegative) {
         const Vec3f wl = above(random), wv = above(random);
         const Rgb f = value(model, wl, wv);
         const double rotation = 6 * uniform(random);
-        const auto rotated = [&](Vec3f w) {
-            const auto c = float(elementary::cos(rotation)), s = float(elementary::sin(rotation));
-            return Vec3f{c * w.x - s * w.y, s * w.x + c * w.y, w.z};
-        };
         model.specular_rotation += float(rotation / (2 * k_pi));
-        const Rgb g = value(model, rotated(wl), rotated(wv));
+        const Rgb g = value(model, rotate(wl, rotation), rotate(wv, rotation));
         for (int c = 0; c < 3; ++c) {
             EXPECT_GE(f[c], 0);
             EXPECT_WITHIN(f[c], g[c], 1e-3 * double(f[c]) + 1e-6);
@@ -110,9 +106,7 @@ TEST(OpenPbr, FacetsAreRougherAlongTheTangent) {
     slightly_anisotropic.specular_roughness_anisotropy = 1e-4f;
     for (int i = 0; i < 100; ++i) {
         const Vec3f wl = above(random), wv = above(random);
-        for (int c = 0; c < 3; ++c)
-            EXPECT_WITHIN(value(slightly_anisotropic, wl, wv)[c], value(isotropic, wl, wv)[c],
-                          1e-3 * double(value(isotropic, wl, wv)[c]));
+        EXPECT_RGB_WITHIN_RELATIVE(value(slightly_anisotropic, wl, wv), value(isotropic, wl, wv), 1e-3, 0);
     }
 }
 
@@ -147,8 +141,7 @@ TEST(OpenPbr, IsLambertOrEonWithoutSpecular) {
     const Rgb colour{0.2f, 0.5f, 0.9f};
     EXPECT_WITHIN(value(diffuse_alone(colour, 0), {0.6f, 0, 0.8f}, {0, 0, 1}).g, 0.5 / k_pi, 1e-6);
     for (const double theta : {0.0, 1.0, 1.4}) {
-        for (int c = 0; c < 3; ++c)
-            EXPECT_WITHIN(albedo(evaluator(diffuse_alone(colour, 0)), theta, k_pi / 2)[c], colour[c], 1e-3);
+        EXPECT_RGB_WITHIN(albedo(evaluator(diffuse_alone(colour, 0)), theta, k_pi / 2), colour, 1e-3);
         for (const float roughness : {0.5f, 1.f})
             EXPECT_WITHIN(albedo(evaluator(diffuse_alone({1, 1, 1}, roughness)), theta, k_pi / 2).g, 1, 3e-3)
                 << roughness << ' ' << theta;
@@ -279,7 +272,7 @@ TEST(OpenPbr, AFilmOfAirHasNoEffect) {
         const Vec3f wl = above(random), wv = above(random);
         if (K::half_cosine(wl, wv) < 0.85f) continue;  // Schlick's term reflects at grazing angles for any index
         const Rgb a = value(plain, wl, wv), b = value(film, wl, wv);
-        for (int c = 0; c < 3; ++c) EXPECT_WITHIN(b[c], a[c], 0.05 * double(a[c]));
+        EXPECT_RGB_WITHIN_RELATIVE(b, a, 0.05, 0);
     }
 }
 

@@ -1,6 +1,5 @@
 // Every option of every subcommand changes the output or is rejected. No option is accepted that the chosen mode does
 // not read.
-
 #include "command.h"
 #include "measured/formats.h"
 #include "models.h"
@@ -210,7 +209,7 @@ TEST_F(Options, AreReadOrRefused) {
                 continue;
             }
             EXPECT_EQ(with.files.size(), 0u) << text << ' ' << option;
-            EXPECT_TRUE(with.err.starts_with("srbf: ") && with.err.find('\n') + 1 == with.err.size()) << with.err;
+            EXPECT_ONE_LINE(with.err, "srbf: ");
         }
     }
 }

@@ -36,8 +36,7 @@ TEST(Pictures, UniformLightShowsTheAlbedo) {
         for (const int x : {32, 44, 56, 61}) {
             const double across = (2 * x + 1 - 64) / 64.0, theta = std::asin(std::hypot(across, 1 / 64.0));
             const Rgb expected = albedo(brdf, theta, k_pi / 2);
-            for (int c = 0; c < 3; ++c)
-                EXPECT_WITHIN(double(image.at(x, 32)[c]), double(expected[c]), tolerance) << x << ' ' << c;
+            EXPECT_RGB_WITHIN(image.at(x, 32), expected, tolerance) << x;
         }
         EXPECT_EQ(image.at(0, 0), Rgb());
         EXPECT_FALSE(shows_sphere(64, 0, 0));

@@ -111,7 +111,7 @@ TEST(Pixels, SlopeIsThatOfTheError) {
             difference[c] = (exact_error(one.reference[p], more) - exact_error(one.reference[p], less)) / (2 * step);
         }
         const double size = std::hypot(difference[0], difference[1], difference[2]);
-        for (std::size_t c = 0; c < 3; ++c) EXPECT_WITHIN(slope[c], difference[c], 1e-3 * size) << p << " " << c;
+        EXPECT_RGB_WITHIN(slope, difference, 1e-3 * size) << p;
     }
     // Nothing is seen beyond the last pixel.
     for (std::size_t p = one.reference.size(); p < k_block; ++p)

@@ -245,7 +245,7 @@ void expect_integral(const Evaluate& f, const PreparedBrdf& prepared) {
     for (const double cosine : {1.0, 0.9999, 0.94, 0.7, 0.5, 0.26, 0.1, 0.05, 0.02, 0.012, 0.007, 0.003, 0.0015}) {
         const Rgb expected = albedo(f, std::acos(cosine), k_pi / 2), prepared_albedo = albedo(prepared, float(cosine));
         for (int c = 0; c < 3; ++c)
-            EXPECT_NEAR(prepared_albedo[c], expected[c], std::max(0.01 * double(expected[c]), 0.002)) << cosine;
+            EXPECT_WITHIN(prepared_albedo[c], expected[c], std::max(0.01 * double(expected[c]), 0.002)) << cosine;
     }
 }
 
@@ -339,7 +339,7 @@ TEST_F(Prepared, CopiesOutliveTheirSources) {
         for (const PreparedBrdf& model : {moved, last, copy})  // a move is a copy
             for (const auto& [l, v] : random_pairs(random_, 200)) {
                 const Rgb f = value(model, l, v), expected = value(reference, l, v);
-                for (int c = 0; c < 3; ++c) EXPECT_WITHIN(f[c], expected[c], 1e-4 * double(expected[c]) + 1e-6);
+                EXPECT_RGB_WITHIN_RELATIVE(f, expected, 1e-4, 1e-6);
                 EXPECT_EQ(pdf(model, l, v), pdf(proposal, l, v));
                 const ValuePdf both = value_pdf(model, l, v);
                 EXPECT_EQ(both.value, f);
@@ -367,7 +367,7 @@ TEST_F(Prepared, LoadedBrdfsAreExchangedAndHaveTheirAzimuths) {
     for (const auto& [l, v] : random_pairs(random_, 100)) {
         EXPECT_EQ(pdf(whole, l, v), pdf(by_azimuths, l, v));
         const Rgb f = value(whole, l, v), exchanged_f = value(other, v, l);
-        for (int c = 0; c < 3; ++c) EXPECT_WITHIN(exchanged_f[c], f[c], 1e-4 * double(f[c]) + 1e-6);
+        EXPECT_RGB_WITHIN_RELATIVE(exchanged_f, f, 1e-4, 1e-6);
     }
 }
 

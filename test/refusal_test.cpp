@@ -1,5 +1,4 @@
 // Errors of the command line: one line that states the cause, and no output files.
-
 #include "command.h"
 #include "models.h"
 

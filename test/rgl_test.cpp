@@ -10,15 +10,7 @@
 namespace srbf::rgl_test {
 namespace {
 
-const RglTable& bundled(std::string_view name) {
-    static std::map<std::string, Measured, std::less<>> loaded;
-    auto entry = loaded.find(name);
-    if (entry == loaded.end()) {
-        const auto path = bundled_data() / (std::string(name) + "_rgb.bsdf");
-        entry = loaded.emplace(name, *load_measured(path.string())).first;
-    }
-    return std::get<RglTable>(entry->second.table);
-}
+const RglTable& bundled_rgl(const std::string& name) { return std::get<RglTable>(bundled(name + "_rgb").table); }
 
 const std::vector<std::string> k_bundled{"paper_white", "cc_ibiza_sunset"};
 
@@ -31,7 +23,7 @@ void expect_agreement(const std::filesystem::path& measurement, const std::files
     ASSERT_GE(rows.size(), 500u);
     for (const auto& [wl, wv, expected] : rows) {
         const Rgb f = value(*measured, wl, wv);
-        for (int c = 0; c < 3; ++c) EXPECT_WITHIN(f[c], expected[c], 1e-4 * double(expected[c]) + 2e-6) << measurement;
+        EXPECT_RGB_WITHIN_RELATIVE(f, expected, 1e-4, 2e-6) << measurement;
     }
 }
 
@@ -96,11 +88,10 @@ TEST(Rgl, SpectraBecomeColours) {
         const Rgb channels = signed_value(*rgb, wl, wv), f = signed_value(*spectral, wl, wv);
         const std::vector<float> spectrum{channels.r, channels.g, channels.b};
         const Rgb expected = to_rgb(spectrum, weights);
-        for (int c = 0; c < 3; ++c) EXPECT_WITHIN(f[c], expected[c], 1e-4 * (1 + std::abs(double(expected[c]))));
+        EXPECT_RGB_WITHIN_RELATIVE(f, expected, 1e-4, 0.0001);
         std::vector<float> looked_up(3);
         signed_spectrum(*spectral, wl, wv, looked_up);
-        for (std::size_t c = 0; c < 3; ++c)
-            EXPECT_WITHIN(looked_up[c], spectrum[c], 1e-4 * (1 + std::abs(double(spectrum[c]))));
+        EXPECT_RGB_WITHIN_RELATIVE(looked_up, spectrum, 1e-4, 0.0001);
     }
     const Measured measured{"", "", 0, *spectral};
     const Vec3f below{0.6f, 0, -0.8f}, above{0.6f, 0, 0.8f}, mirrored = mirror(above);
@@ -111,7 +102,7 @@ TEST(Rgl, SpectraBecomeColours) {
     EXPECT_LT(f[2], -0.1f);
     spectra(measured).evaluate({&above, 1}, {&mirrored, 1}, f);
     EXPECT_EQ(f[2], 0);
-    EXPECT_TRUE(wavelengths(Measured{"", "", 0, *rgb}).empty());
+    EXPECT_TRUE(wavelengths(measured_of(*rgb)).empty());
 }
 
 /// A synthetic file, since no anisotropic file is available. Expected values are the formula of `anisotropic_rgl`
@@ -121,7 +112,7 @@ TEST(Rgl, AnisotropicTablesComputeTheirFormula) {
     for (const int symmetry : {1, 2, 4}) {
         const auto table = checked(read_rgl(tensor_file(anisotropic_rgl(symmetry)), "anisotropic"));
         EXPECT_EQ(table->symmetry, symmetry);
-        EXPECT_FALSE(is_isotropic(Measured{"", "", 0, *table}));
+        EXPECT_FALSE(is_isotropic(measured_of(*table)));
         for (int i = 0; i < 5000; ++i) {
             Vec3d wl = random_direction(random, 0.01), wv = random_direction(random, 0.01);
             const Rgb f = signed_value(*table, to_float(wl), to_float(wv));
@@ -147,7 +138,7 @@ TEST(Rgl, AnisotropicTablesComputeTheirFormula) {
 TEST(Rgl, WarpMapsTheSquareToItselfWithItsDensity) {
     std::mt19937_64 random(4);
     for (const auto& name : k_bundled) {
-        const RglTable& table = bundled(name);
+        const RglTable& table = bundled_rgl(name);
         for (int i = 0; i < 20000; ++i) {
             const Slices slices = slices_at(table.theta_l, float(k_pi / 2 * uniform(random)));
             const Warped any = unwarp(table.visible, slices, float(uniform(random)), float(uniform(random)));
@@ -184,7 +175,7 @@ TEST(Rgl, WarpStaysInTheSquareWithoutDensity) {
 TEST(Rgl, IsIsotropicAndBounded) {
     std::mt19937_64 random(5);
     for (const auto& name : k_bundled) {
-        const RglTable& table = bundled(name);
+        const RglTable& table = bundled_rgl(name);
         for (int i = 0; i < 30000; ++i) {
             const Vec3f wl = direction_with_extremes(random), wv = direction_with_extremes(random);
             const Rgb f = value(table, wl, wv);
@@ -194,7 +185,7 @@ TEST(Rgl, IsIsotropicAndBounded) {
             const Rgb rotated = value(table, rotated_l, rotated_v);
             const double sine_h = std::hypot(double(wl.x + wv.x), double(wl.y + wv.y));
             if (wl.z < 0.02f || wv.z < 0.02f || wl.z > 0.999f || sine_h < 0.05) continue;
-            for (int c = 0; c < 3; ++c) EXPECT_WITHIN(rotated[c], f[c], 1e-3 * (1e-2 + double(f[c])));
+            EXPECT_RGB_WITHIN_RELATIVE(rotated, f, 1e-3, 1e-5);
         }
         for (const float z : {1e-30f, 1e-42f})
             EXPECT_TRUE(is_finite(value(table, {1, 0, z}, {-1, 0, z})) &&
@@ -205,7 +196,7 @@ TEST(Rgl, IsIsotropicAndBounded) {
 TEST(Rgl, BatchesAgreeWithSingleValues) {
     std::mt19937_64 random(11);
     std::vector<RglTable> tables;
-    for (const auto& name : k_bundled) tables.push_back(bundled(name));
+    for (const auto& name : k_bundled) tables.push_back(bundled_rgl(name));
     tables.push_back(*read_rgl(tensor_file(simple_rgl()), "s"));
     tables.push_back(*read_rgl(tensor_file(anisotropic_rgl()), "a"));
     for (const RglTable& table : tables) {
@@ -238,8 +229,8 @@ TEST(Tables, HaveTheirMeanAlongTheNormal) {
     MbsdfTable mbsdf;
     mbsdf.polar = 4, mbsdf.azimuths = 5;
     for (int i = 0; i < 80; ++i) mbsdf.cells.push_back({1, 1 + float(i % 5), 1});
-    const RglTable film = bundled("cc_ibiza_sunset"), turned = *read_rgl(tensor_file(anisotropic_rgl()), "t");
-    for (const Measured& measured : {Measured{{}, {}, 0, film}, {{}, {}, 0, turned}, {{}, {}, 0, mbsdf}}) {
+    const RglTable film = bundled_rgl("cc_ibiza_sunset"), turned = *read_rgl(tensor_file(anisotropic_rgl()), "t");
+    for (const Measured& measured : {measured_of(film), measured_of(turned), measured_of(mbsdf)}) {
         const Vec3f normal{0, 0, 1}, w = to_float(spherical(0.9, 0.2));
         Rgb mean, f;
         for (int k = 0; k < 64; ++k)

@@ -6,6 +6,7 @@
 
 #include "compiled_code.h"
 #include "models.h"
+#include "properties.h"
 #include "srbf/file.h"
 #include "srbf/load.h"
 #include "srbf/prepared_bsdf.h"
@@ -132,8 +133,7 @@ TEST_F(RuntimeHeader, ValuesAreThoseOfTheLibrary) {
             for (int i = 0; i < 2000; ++i) {
                 const Vec3f wl = direction(random, i), wv = i % 3 ? direction(random, i) : mirror(wl);
                 const Rgb expected = value(opened.model, wl, wv), found = value(runtime, opened.brdf, wl, wv);
-                for (int c = 0; c < 3; ++c)
-                    ASSERT_WITHIN(found[c], expected[c], 1e-4 * double(expected[c]) + 1e-6) << opened.name << options;
+                ASSERT_RGB_WITHIN_RELATIVE(found, expected, 1e-4, 1e-6) << opened.name << options;
             }
         }
     }
@@ -155,8 +155,7 @@ TEST_F(RuntimeHeader, IsTheSameWithFastMath) {
                 Rgb f, found;
                 const float density = exact.value_pdf(opened.brdf, &wl.x, &wv.x, &f.r),
                             found_density = fast.value_pdf(opened.brdf, &wl.x, &wv.x, &found.r);
-                for (int c = 0; c < 3; ++c)
-                    ASSERT_WITHIN(found[c], f[c], 1e-4 * double(f[c]) + 1e-6) << opened.name << compiler << options;
+                ASSERT_RGB_WITHIN_RELATIVE(found, f, 1e-4, 1e-6) << opened.name << compiler << options;
                 ASSERT_WITHIN(found_density, density, 1e-4 * density + 1e-6) << opened.name << compiler << options;
             }
         }
@@ -244,8 +243,7 @@ TEST_F(RuntimeHeader, AlbedosAreThoseOfTheLibrary) {
             const Rgb expected = albedo(prepared, z);
             Rgb found;
             runtime.albedo(opened.brdf, z, &found.r);
-            for (int c = 0; c < 3; ++c)
-                EXPECT_WITHIN(found[c], expected[c], 0.03 * double(expected[c]) + 0.002) << opened.name << " " << z;
+            EXPECT_RGB_WITHIN_RELATIVE(found, expected, 0.03, 0.002) << opened.name << " " << z;
         }
     }
 }
@@ -315,7 +313,7 @@ TEST_F(RuntimeHeader, TracesPaths) {
             sum += double(picture[picture.size() - bytes + 3 * ((y + i / 16) * width + x + i % 16)]) / 256;
         return sum;
     };
-    EXPECT_NEAR(mean(10, 10), mean(290, 10), 2);  // the sky
+    EXPECT_WITHIN(mean(10, 10), mean(290, 10), 2);  // the sky
     EXPECT_GT(std::abs(mean(10, 10) - mean(150, 100)), 5);
     EXPECT_GT(mean(10, 220), 10);
 }

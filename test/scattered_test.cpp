@@ -1,5 +1,4 @@
 // Scattered samples and the text formats that store them.
-
 #include <map>
 
 #include "brdf/colour.h"
@@ -390,7 +389,7 @@ TEST(Formats, OtherEncodingsAndFilesAreRecognised) {
              {"#ALTA FUNC HEADER\n#DIM 2 1\n", "a function that ALTA fitted"},
              {tensor, "Mueller matrices of a polarized one"}}) {
         const auto measured = read_measured(as_bytes(bytes), "f");
-        EXPECT_CONTAINS(measured ? "" : message(measured.error()), words);
+        EXPECT_CONTAINS(error_text(measured), words);
     }
 }
 
@@ -540,7 +539,7 @@ TEST(Csv, RefusesAmbiguousColumns) {
         const auto measured =
             read_measured(as_bytes("theta_l_deg,theta_v_deg,phi_v_deg,value\n1,2,3,4\n"), "f", {wrong, {}, 0});
         ASSERT_FALSE(measured.ok()) << wrong;
-        EXPECT_CONTAINS(message(measured.error()), "f: --columns: expected");
+        EXPECT_CONTAINS(error_text(measured), "f: --columns: expected");
     }
     const auto isotropic = checked(read_measured(as_bytes("# isotropic\n10 0 20 0 1\n10 90 20 0 1\n"), "f",
                                                  {"theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,value", {}, 0}));
@@ -652,11 +651,11 @@ TEST(ScatteredSamples, InterpolationPassesThroughItsSamples) {
             2000, isotropic, 4);
         for (std::size_t i = 0; i < s.wl.size(); ++i) {
             const Rgb f = signed_value(s, s.wl[i], s.wv[i]);
-            for (int c = 0; c < 3; ++c) EXPECT_WITHIN(f[c], s.colour[i][c], 1e-4);
+            EXPECT_RGB_WITHIN(f, s.colour[i], 1e-4);
             EXPECT_EQ(value(s, s.wl[i], s.wv[i]).b, 0);
             if (!isotropic) continue;
             const Rgb rotated = signed_value(s, rotate(s.wl[i], 2.0), rotate(s.wv[i], 2.0));
-            for (int c = 0; c < 3; ++c) EXPECT_WITHIN(rotated[c], s.colour[i][c], 2e-2);
+            EXPECT_RGB_WITHIN(rotated, s.colour[i], 2e-2);
         }
     }
 }

@@ -8,6 +8,7 @@
 #include "compiled_code.h"
 #include "models.h"
 #include "models/openpbr/openpbr_kind.h"
+#include "script.h"
 #include "srbf/prepared.h"
 #include "srbf/sampling.h"
 #include "statistics.h"
@@ -457,13 +458,10 @@ TEST_F(ShadingCode, RunsAsWgsl) {
     std::string bytes(questions().size() * sizeof(Question), '\0');
     std::memcpy(bytes.data(), questions().data(), bytes.size());
     write_source("questions", bytes);
-    const int status = std::system(
-        fmt::format("PYTHONDONTWRITEBYTECODE=1 python3 '{}/test/wgsl.py' '{}' {} > '{}' 2>&1", SRBF_SOURCE_DIR,
-                    folder_.path.string(), models().size() * sizeof(Answer) / sizeof(Question), path("output"))
-            .c_str());
-    const std::string output = read_text(path("output"));
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 77) GTEST_SKIP() << output;
-    ASSERT_EQ(status, 0) << output;
+    const ScriptRun run = run_script(
+        "test/wgsl.py", {folder_.path.string(), std::to_string(models().size() * sizeof(Answer) / sizeof(Question))});
+    SKIP_IF_UNAVAILABLE(run);
+    ASSERT_EQ(run.status, 0) << run.text;
     bytes = read_text(path("answers"));
     Answers answers(bytes.size() / sizeof(Answer));
     std::memcpy(answers.data(), bytes.data(), answers.size() * sizeof(Answer));
@@ -503,10 +501,10 @@ TEST_F(ShadingCode, BlendsAreSums) {
         answer(q.wl.data(), weights.data(), f.data());
         for (std::size_t i = 0; i < 12; i += 4) {
             const float sum = 0.25f * f[i + 1] + 0.5f * f[i + 2] + 0.25f * f[i + 3];
-            ASSERT_NEAR(f[i], sum, 1e-5f * std::abs(sum)) << i;
+            ASSERT_WITHIN(f[i], sum, 1e-5f * std::abs(sum)) << i;
         }
         if (q.uniform[2] >= 0.25f && q.uniform[2] < 0.75f && f[13] == f[13]) {
-            ASSERT_NEAR(f[12], f[13], 1e-3f);
+            ASSERT_WITHIN(f[12], f[13], 1e-3f);
         }
     }
     EXPECT_TRUE(
@@ -576,7 +574,7 @@ TEST_F(ShadingCode, RunsViewByView) {
         answer(data.data(), q.wl.data(), f.data());
         const Rgb expected = value(su, {q.wl[0], q.wl[1], q.wl[2]}, {q.wv[0], q.wv[1], q.wv[2]});
         for (int c = 0; c < 3; ++c)
-            ASSERT_NEAR(f[std::size_t(c)], expected[c], std::max(1e-4f * expected[c], 1e-6f * peak));
+            ASSERT_WITHIN(f[std::size_t(c)], expected[c], std::max(1e-4f * expected[c], 1e-6f * peak));
     }
 
     const auto glsl = checked(shading_code(named, "su", {.albedo = true})),

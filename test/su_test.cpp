@@ -42,8 +42,7 @@ TEST(Su, SampledViewsHaveTheirOwnFunction) {
                 const Vec3f w = to_float(random_direction(random, 0)), sample = model.direction[i];
                 const Rgb f = discretise == Discretise::view ? value(model, w, sample) : value(model, sample, w);
                 const auto expected = view_function(model, i, w);
-                for (int c = 0; c < 3; ++c)
-                    EXPECT_WITHIN(double(f[c]), expected[std::size_t(c)], 2e-5) << i << name(interpolation);
+                EXPECT_RGB_WITHIN(f, expected, 2e-5) << i << name(interpolation);
             }
         }
 }
@@ -62,7 +61,7 @@ TEST(Su, LobesIntegrateToTheirClosedForm) {
             for (int c = 0; c < 3; ++c)
                 closed[std::size_t(c)] +=
                     double(model.coefficient[j][c]) * Kernel<double>::gaussian_integral(double(model.bandwidth[j]));
-        for (std::size_t c = 0; c < 3; ++c) EXPECT_WITHIN_RELATIVE(sum[c], closed[c], 1e-4);
+        EXPECT_RGB_WITHIN_RELATIVE(sum, closed, 1e-4, 0);
     }
     // The model's own values are those: `SampledViewsHaveTheirOwnFunction`.
 }

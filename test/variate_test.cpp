@@ -1,5 +1,6 @@
 // Parameterizations and multivariate models of kernel.glsl, also with a dual-number type.
 #include "models.h"
+#include "properties.h"
 #include "srbf/kernel.h"
 
 namespace srbf::variate_test::dual {
@@ -35,7 +36,6 @@ namespace {
 using dual::Dual;
 using K = Kernel<double>;
 
-Vec3d widen(Vec3f w) { return {double(w.x), double(w.y), double(w.z)}; }
 double length(Vec3d a) { return std::sqrt(dot(a, a)); }
 Vec3<Dual> constant(Vec3d w) { return {Dual(w.x), Dual(w.y), Dual(w.z)}; }
 Vec3d rotated(Vec3d w, double angle) {
@@ -131,8 +131,8 @@ TEST(Variate, PsiVanishesWhereTheSumDoes) {
     EXPECT_EQ(zero.y, 0);
     EXPECT_EQ(zero.z, 0);
     EXPECT_WITHIN_RELATIVE(Kernel<float>::gaussian(zero, w, 6.0f), std::exp(-3.0), 1e-6);
-    EXPECT_EQ(length(widen(Kernel<float>::psi_by_angle(w, w, 0.0f, 0.0f))), 0);
-    EXPECT_TRUE(std::isfinite(length(widen(Kernel<float>::psi_by_angle(w, w, -0.7f, 0.7f)))));
+    EXPECT_EQ(length(to_double(Kernel<float>::psi_by_angle(w, w, 0.0f, 0.0f))), 0);
+    EXPECT_TRUE(std::isfinite(length(to_double(Kernel<float>::psi_by_angle(w, w, -0.7f, 0.7f)))));
 }
 
 TEST(Variate, PsiByAngleIsTheDerivative) {
@@ -153,7 +153,7 @@ TEST(Variate, PsiByAngleIsTheDerivative) {
         EXPECT_LE(length(derivative - Vec3d(p.x.d, p.y.d, p.z.d)), 1e-13 * std::pow(steepness, 2));
         const auto f =
             Kernel<float>::psi_by_angle(to_float(wl), to_float(wv), float(std::cos(angle)), float(std::sin(angle)));
-        EXPECT_LE(length(derivative - widen(f)), 1e-6 * std::pow(steepness, 2));
+        EXPECT_LE(length(derivative - to_double(f)), 1e-6 * std::pow(steepness, 2));
     }
 }
 
@@ -171,7 +171,7 @@ TEST(Variate, ModelMatchesTheFormula) {
             EXPECT_TRUE(all_near(f, written, 1e-5, 1.001 * model.lobes * 0x1p-100));
             const Vec3f g = Kernel<float>::pm_value(model, to_float(wl), to_float(wv));
             if (std::min({f.x, f.y, f.z}) > 1e-25) {
-                EXPECT_TRUE(all_near_relative(widen(g), f, 1e-4));
+                EXPECT_TRUE(all_near_relative(to_double(g), f, 1e-4));
             }
         }
     }
@@ -206,9 +206,9 @@ TEST(Variate, AxialModelsAreIsotropicAndOthersAreNot) {
         const double angle = 1 + 4 * uniform(random);
         const Vec3d tl = rotated(wl, angle), tv = rotated(wv, angle);
         EXPECT_TRUE(all_near_relative(K::pm_value(axial, tl, tv), K::pm_value(axial, wl, wv), 1e-11));
-        const Vec3d f = widen(Kernel<float>::pm_value(axial, to_float(wl), to_float(wv)));
+        const Vec3d f = to_double(Kernel<float>::pm_value(axial, to_float(wl), to_float(wv)));
         if (std::min({f.x, f.y, f.z}) > 1e-25) {
-            const Vec3d t = widen(Kernel<float>::pm_value(axial, to_float(tl), to_float(tv)));
+            const Vec3d t = to_double(Kernel<float>::pm_value(axial, to_float(tl), to_float(tv)));
             EXPECT_TRUE(all_near_relative(t, f, 1e-4));
         }
         anisotropic += !all_near_relative(K::pm_value(general, tl, tv), K::pm_value(general, wl, wv), 1e-3);

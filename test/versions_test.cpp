@@ -115,7 +115,7 @@ TEST(Versions, FilesOfEachVersionKeepTheirMeaning) {
         const auto expected = values_in(fs::path(entry.path()).replace_extension(".csv")), found = values_of(*loaded);
         ASSERT_EQ(found.size(), expected.size());
         for (std::size_t i = 0; i < found.size(); ++i)
-            for (int c = 0; c < 3; ++c) EXPECT_WITHIN(found[i][c], expected[i][c], 1e-4 * expected[i][c] + 1e-7) << i;
+            EXPECT_RGB_WITHIN_RELATIVE(found[i], expected[i], 1e-4, 1e-7) << i;
         if (entry.path().parent_path().filename() != k_file_version) continue;
         const auto bytes = *read_file(entry.path().string());
         if (entry.path().stem().string().starts_with(k_renamed)) continue;

@@ -1,6 +1,6 @@
 """Pages, help texts and messages have none of the terms of words.csv: python3 test/words.py FOLDER.
 
-A line of words.csv is a regular expression, of words, and what to write instead. Searched are the prose of the documentation, what
+A line of words.csv is a regular expression, of words, and what to write instead. It searches the prose of the documentation, what
 programs print or show (strings of C++, and the text of web pages, scripts and the Python package) and comments of C++ and GLSL, which also
 begin with a subject, not with "Of", "What", "Whether" or "The same". `code` and blocks of code are not prose.
 """

@@ -1,5 +1,5 @@
 """docs/surface_hosts.png: python3 docs/figures/hosts.py THREE.png CYCLES.png, the pictures that test/hosts/three_gltf.py and
-test/hosts/principled.py write with a third argument, beside each other under the names of what they show. Chromium sets the text."""
+test/hosts/principled.py write as PICTURE, beside each other under the names of what they show. Chromium sets the text."""
 import os
 import sys
 

@@ -41,7 +41,8 @@ from . import _options  # noqa: E402
 from ._options import HostMaterial, Language, Lighting, Path, Progress  # noqa: E402
 
 if int(np.__version__.split(".")[0]) >= 2 and not _srbf.knows_numpy_2:
-    raise ImportError(f"srbf was built with a pybind11 before 2.12, which does not support NumPy {np.__version__}; build it with `pip install .`")
+    raise ImportError(f"srbf was built with a pybind11 before 2.12, which does not support NumPy {np.__version__}; "
+                      "build it with `pip install .`")
 
 __version__: str = _srbf.version
 
@@ -345,8 +346,9 @@ def _wrong_kind(path: Path, expected: str, found: str) -> Error:
 
 def from_arrays(wl: npt.ArrayLike, wv: npt.ArrayLike, f: npt.ArrayLike, isotropic: bool = True) -> Measurement:
     """Makes a measurement of samples at pairs of directions [..., 3]. Their values `f` have the shape [..., 3] or, if grey, [...], [..., 1]
-    or (). Samples that are not finite, masked or below the horizon, or hold a number such as -999 (`notes`), are dropped. Raises ValueError for other shapes of `f`. Warns if `isotropic`
-    is True, so that only the difference of the azimuths counts, but the samples are anisotropic."""
+    or (). Samples that are not finite, masked or below the horizon, or hold a number such as -999 (`notes`), are dropped. Raises
+    ValueError for other shapes of `f`. Warns if `isotropic` is True, so that only the difference of the azimuths counts, but the samples
+    are anisotropic."""
     shape, (lights, views) = _pairs(wl, wv)
     values = _numbers(f, "f", None)
     if values.ndim == 0:
@@ -478,7 +480,8 @@ def convert(brdf: Brdf, path: Path, *, spectra: bool = True, threads: int = 0) -
     _srbf.convert(brdf._native, _file_name(path), _options.flag("spectra", spectra), _options.threads(threads))
 
 
-def code(models: Union[Model, Mapping[str, Model]], to: Union[Language, HostMaterial], *, name: str = "material", sampling: bool = False, albedo: bool = False) -> str:
+def code(models: Union[Model, Mapping[str, Model]], to: Union[Language, HostMaterial], *, name: str = "material",
+         sampling: bool = False, albedo: bool = False) -> str:
     """Source code that stands alone, in a language `to` of `code_languages()`, or a whole material, "three", "three-webgpu" or "unity", as
     `srbf export` writes it. The functions of a single model are `name`_brdf and so on, or `name`_bsdf and `name`_beam for a BSDF. Several
     models have functions named by their keys, and `name` begins the names that they share."""

@@ -61,8 +61,8 @@ def _require_variant() -> None:
 
 
 def _functions(model: srbf.Model, parameters: dict[str, Any]) -> types.SimpleNamespace:
-    """The model's functions over arrays of the current variant. They read `parameters` when they are called. The numbers that can change are
-    added to `parameters`, as tensors."""
+    """The model's functions over arrays of the current variant. They read `parameters` when they are called. The numbers that can
+    change are added to `parameters`, as tensors."""
 
     def table(numbers: list[float], sources: list[tuple[str, int]] = []) -> Any:
         for name in dict.fromkeys(name.lstrip("-") for name, _ in sources if name):
@@ -186,7 +186,8 @@ def _compiled_bsdf(base: Any) -> Any:
 
 def _array_bsdf(base: Any) -> Any:
     class ArrayBSDF(base):
-        """Uses the printed formulas, on arrays. Samples keep the mixture weights of the loaded model, so that any parameters have the same density."""
+        """Uses the printed formulas, on arrays. Samples keep the mixture weights of the loaded model, so that any parameters have the
+        same density."""
 
         def _value(self, si: Any, wo: Any) -> Any:
             f = self.f.brdf(mi.Vector3f(wo), mi.Vector3f(si.wi))

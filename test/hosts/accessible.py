@@ -1,12 +1,12 @@
 """The exported page and the page of build/site, before and after a click on a ready material, at the widths of a phone, a tablet and a screen,
 by the rules of axe (WCAG 2 A and AA): names, roles, contrast of text. Axe comes with a package of PyPI."""
+# needs: site
 import importlib.util
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
-from checks import ROOT, expect, finish, skip
+from support.checks import ROOT, arguments, expect, finish, skip
 from support.chromium import WEBGL, Chromium, program
 
 SIZES = [(360, 740), (768, 1024), (1440, 900)]
@@ -79,5 +79,5 @@ def main(srbf):
 if __name__ == "__main__":
     if axe() is None or program() is None:
         skip("no axe_playwright_python or no Chromium")
-    main(sys.argv[1])
+    main(arguments()[0])
     finish()

@@ -1,22 +1,20 @@
 #!/usr/bin/env python3
 """The shaders for Unity and Godot 4, with mocks of the engines' names, run in OpenGL: under a directional light a sphere of the
 film is that of the model, within a mean ΔE_ITP of 1, and under light from everywhere it reflects its albedo. The engines themselves are not run.
-Arguments: the program, and a folder that is not read.
+Usage: drawn_engine_shaders.py PROGRAM.
 """
 import importlib.util
-import os
 import shutil
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
 import numpy as np
-from checks import ROOT, expect, finish, skip
+from support.checks import ROOT, arguments, expect, finish, skip
 import engine_shaders as shaders
 from support import lit_sphere
 
-program, data = os.path.abspath(sys.argv[1]), ROOT / "data"
+program, data = arguments()[0], ROOT / "data"
 glslang, spirv_cross = shutil.which("glslangValidator"), shutil.which("spirv-cross")
 if not (glslang and spirv_cross and importlib.util.find_spec("moderngl")):
     skip("glslangValidator, spirv-cross or moderngl is not installed")

@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
 """The programs of examples/hosts: each draws a sphere of the bundled materials under a directional light by exported code or a model, and its
 picture is that of the model itself, within a mean ΔE_ITP of 1. Each host is skipped where it is not installed; the last line counts those that ran.
-Arguments: the program, a folder with peers/ beside it, and, if given, a folder for the pictures and the names of some hosts.
+Usage: example_hosts.py PROGRAM DATA [PICTURES [NAME..]], with peers/ beside DATA, a folder for pictures, and some hosts.
 """
 import importlib.util
-import os
 import re
 import shutil
 import subprocess
@@ -14,12 +13,12 @@ from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
-from checks import ROOT, expect, finish
+from support.checks import ROOT, arguments, expect, finish
 from support import lit_sphere
 from support.chromium import WEBGL, program as chromium
 from support.browser_server import WEBGPU, opened, picture as picture_of
 
-program, examples = os.path.abspath(sys.argv[1]), ROOT / "examples/hosts"
+(program, data, further), examples = arguments(), ROOT / "examples/hosts"
 FILAMENT = "/usr/include/filament-1.9"  # where Debian has its headers
 MATERIALS = {"film": "cc_ibiza_sunset_rgb", "paper": "paper_white_rgb"}
 
@@ -107,7 +106,7 @@ def draw_by_filament(example, code, picture):
 
 def three_files(files):
     """Files of three.js by name, from a folder in peers/ beside the measurements, or None if one is missing."""
-    for folder in Path(sys.argv[2]).parent.glob("peers/*"):
+    for folder in data.parent.glob("peers/*"):
         paths = [folder / f"three.{file}.js" for file in files]
         if all(path.exists() for path in paths):
             return {path.name: path.read_text(encoding="utf-8") for path in paths}
@@ -142,7 +141,7 @@ def hosts():
     yield "mitsuba", version_of("mitsuba", "mitsuba", "srbf"), None, ".srbf", draw_by_script
 
 
-ran, rows, names = [], {material: [] for material in MATERIALS}, sys.argv[4:]
+ran, rows, names = [], {material: [] for material in MATERIALS}, further[1:]
 with tempfile.TemporaryDirectory() as folder:
     models, references = {}, {}
     for material, measurement in MATERIALS.items():
@@ -158,9 +157,9 @@ with tempfile.TemporaryDirectory() as folder:
             continue
         errors = []
         for material, model in models.items():
-            there = Path(folder, host, material)
-            there.mkdir(parents=True)
-            code, picture = there / ("material" + ending), there / "picture.npy"
+            work = Path(folder, host, material)
+            work.mkdir(parents=True)
+            code, picture = work / ("material" + ending), work / "picture.npy"
             if export:
                 subprocess.run([program, "export", model, *export, "-o", code], check=True)
             else:
@@ -171,7 +170,7 @@ with tempfile.TemporaryDirectory() as folder:
         ran.append(host)
         text = f"{host} {installed}: " + ", ".join(f"{material} {error:.2f}" for material, error in zip(MATERIALS, errors))
         expect(max(errors) <= lit_sphere.WITHIN, text)
-    if len(sys.argv) > 3:
+    if further:
         from PIL import Image, ImageDraw
         rows_of_spheres = Image.fromarray(np.concatenate([lit_sphere.side_by_side(references[material], rows[material]) for material in MATERIALS]))
         spheres = rows_of_spheres.resize([96 * length // lit_sphere.SIZE for length in rows_of_spheres.size], Image.Resampling.BOX)
@@ -179,6 +178,6 @@ with tempfile.TemporaryDirectory() as folder:
         sheet.paste(spheres, (0, 14))
         for i, label in enumerate(["model", *ran]):
             ImageDraw.Draw(sheet).text((96 * i + 4, 1), label, fill="black")
-        sheet.save(Path(sys.argv[3], "hosts.png"))
+        sheet.save(Path(further[0], "hosts.png"))
 print(f"{len(ran)} hosts ran")
 finish()

@@ -2,28 +2,27 @@
 """Surfaces in the shader that MaterialX generates: packages materialx and numpy of PyPI, in this Python, and Chromium, which runs it.
 
 Fits a surface to measurements, writes it as MaterialX, and draws a sphere by the generated GLSL (ES 3.00) under three distant lights,
-one at a time. What it loses against the measurement is within 30 % of what `srbf eval` says of the surface.
-Arguments: the program, a folder with rgl/.
+one at a time. Its error against the measurement is within 30 % of that by `srbf eval`, or at most LARGEST_RATIOS times that.
+Usage: materialx_glsl.py PROGRAM DATA, with rgl/ in DATA.
 """
 import base64
 import json
-import sys
 import tempfile
 from pathlib import Path
 
 import MaterialX as mx
 import numpy as np
-from checks import expect, finish, skip
+from support.checks import arguments, finish, skip, srbf
 from support.chromium import WEBGL, Chromium, program as chromium
 from MaterialX import PyMaterialXGenGlsl as glsl
 from MaterialX import PyMaterialXGenShader as shaders
 from support.visible_error import delta_e
-from support.surface_drawing import BRUSHED, MATERIALS, judge_brushed, judge_errors, run
+from support.surface_drawing import BRUSHED, MATERIALS, expect_brushed, expect_errors
 
-data = Path(sys.argv[2])
+_, data, _ = arguments()
 LIGHTS = np.array([[-6 / 11, 6 / 11, 7 / 11], [7 / 9, 4 / 9, 4 / 9], [-2 / 11, 9 / 11, -6 / 11]])
 SIZE = 64
-OWN_FORMULAS = {"vch_golden_yellow_rgb"}  # farther apart by formulas of MaterialX's own, which docs/surface.md names
+LARGEST_RATIOS = {"vch_golden_yellow_rgb": 1.65}  # by MaterialX's formula of films, which docs/surface.md names: its figure, and 15 % more
 UNDECLARED = "const bool u_refractionTwoSided = false;\n"  # MaterialX 1.39.5 forgets it where there is no environment
 VARYINGS = "in vec3 normalWorld;\nin vec3 tangentWorld;\nin vec3 positionWorld;\n"
 
@@ -123,16 +122,25 @@ def evaluated(subject, folder):
     n /= np.linalg.norm(n, axis=-1, keepdims=True)
     t = np.stack([n[..., 2], 0 * x, -n[..., 0]], axis=-1)
     t /= np.linalg.norm(t, axis=-1, keepdims=True)
-    local = lambda w: np.stack([t @ w, np.cross(n, t) @ w, n @ w], axis=-1)  # noqa: E731
+
+    def local(w):
+        return np.stack([t @ w, np.cross(n, t) @ w, n @ w], axis=-1)
     pairs, view = [], local(np.array([0.0, 0, 1]))
     for light in LIGHTS:
         pairs.append(np.concatenate([local(light), view], axis=-1).reshape(-1, 6))
     pairs = np.concatenate(pairs)
     rows = "\n".join(",".join(f"{v:.9g}" for v in row) for row in pairs)
     Path(folder, "pairs.csv").write_text("wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n" + rows + "\n", encoding="utf-8")
-    lines = run("eval", subject, "--pairs", f"{folder}/pairs.csv").splitlines()[1:]
+    lines = srbf("eval", subject, "--pairs", f"{folder}/pairs.csv").splitlines()[1:]
     f = np.array([[float(v) for v in line.split(",")[-3:]] for line in lines])
-    return (np.nan_to_num(f) * np.maximum(pairs[:, 2:3], 0)).reshape(len(LIGHTS), SIZE, SIZE, 3), np.hypot(x, y) < 0.98
+    return (np.nan_to_num(f) * np.maximum(pairs[:, 2:3], 0)).reshape(len(LIGHTS), SIZE, SIZE, 3)
+
+
+def mean_error(a, b):
+    """ΔE_ITP of pixels on the sphere, a mean over the lights."""
+    at = 2 * (np.arange(SIZE) + 0.5) / SIZE - 1
+    inside = np.hypot(*np.meshgrid(at, at)) < 0.98
+    return np.mean([delta_e(p[inside], q[inside]) for p, q in zip(a, b)])
 
 
 if chromium() is None:
@@ -142,17 +150,16 @@ try:
     with tempfile.TemporaryDirectory() as folder:
         for name in MATERIALS:
             measured, model = data / f"rgl/{name}.bsdf", f"{folder}/{name}.srbf"
-            run("fit", measured, "--model", "openpbr", "-o", model)
-            run("export", model, "--to", "mtlx", "-o", f"{folder}/{name}.mtlx")
+            srbf("fit", measured, "--model", "openpbr", "-o", model)
+            srbf("export", model, "--to", "mtlx", "-o", f"{folder}/{name}.mtlx")
             by_shader = drawn(page, *generated(f"{folder}/{name}.mtlx"))
-            (reference, inside), (ours, _) = evaluated(measured, folder), evaluated(model, folder)
-            mean = lambda a, b: np.mean([delta_e(p[inside], q[inside]) for p, q in zip(a, b)])  # noqa: E731
-            errors = mean(ours, reference), mean(by_shader, reference), mean(by_shader, ours)
-            expect(*judge_errors(name, "MaterialX", errors, OWN_FORMULAS))
+            reference, ours = evaluated(measured, folder), evaluated(model, folder)
+            errors = mean_error(ours, reference), mean_error(by_shader, reference), mean_error(by_shader, ours)
+            expect_errors(name, "MaterialX", errors, LARGEST_RATIOS)
         for kind in ("mtlx", "standard-surface"):
-            run("export", BRUSHED, "--to", kind, "-o", f"{folder}/brushed.mtlx")
-            (ours, inside), by_shader = evaluated(BRUSHED, folder), drawn(page, *generated(f"{folder}/brushed.mtlx"))
-            expect(*judge_brushed(f"MaterialX ({kind})", mean(by_shader, ours)))
+            srbf("export", BRUSHED, "--to", kind, "-o", f"{folder}/brushed.mtlx")
+            ours, by_shader = evaluated(BRUSHED, folder), drawn(page, *generated(f"{folder}/brushed.mtlx"))
+            expect_brushed(f"MaterialX ({kind})", mean_error(by_shader, ours))
 finally:
     page.close()
 finish()

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """The plugin of examples/mitsuba: built for the Mitsuba of this Python (packages mitsuba, nanobind and numpy of PyPI) and the library of PROGRAM's
-build as it is installed, and run in scalar_rgb. Without the packages nothing is tried.
+build as it is installed, and run in scalar_rgb. It is skipped without the packages.
 
 Its picture of a sphere under a directional light is that of the model, and of a measurement that of Mitsuba's `measured`; values are those of
 `srbf eval`; samples have the density and the weights that the other functions say, on both sides of a BSDF too, and follow the brushing of an
 anisotropic surface; what it refuses, it refuses in one line.
-Arguments: the program.
+Usage: mitsuba_plugin.py PROGRAM.
 """
+# needs: numpy1
 import importlib.util
 import math
 import subprocess
@@ -15,7 +16,7 @@ import tempfile
 from importlib.metadata import version
 from pathlib import Path
 
-from checks import ROOT, expect, finish, skip
+from support.checks import ROOT, arguments, expect, finish, skip
 
 if not all(map(importlib.util.find_spec, ("mitsuba", "nanobind"))):
     skip("no mitsuba or nanobind")
@@ -24,7 +25,7 @@ import mitsuba as mi
 import numpy as np
 from support.visible_error import delta_e
 
-program, film = Path(sys.argv[1]).resolve(), ROOT / "data/cc_ibiza_sunset_rgb.bsdf"
+program, film = arguments()[0], ROOT / "data/cc_ibiza_sunset_rgb.bsdf"
 CELLS, FINER, SAMPLES = (48, 48), 10, 100000  # of cosθ and φ; points along an edge of a cell, by which its integrals are found
 GLOSSY = int(mi.BSDFFlags.GlossyReflection), int(mi.BSDFFlags.GlossyTransmission)
 STRAIGHT = {int(mi.BSDFFlags.Null): np.array([-1, -1, -1]), int(mi.BSDFFlags.DeltaReflection): np.array([-1, -1, 1])}  # beams: wo of wi

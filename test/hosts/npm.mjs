@@ -1,4 +1,5 @@
-// node npm.mjs: the package of build/npm fits what the program fits; its errors are the program's; what breaks readers does not stop it.
+// node npm.mjs [PROGRAM]: the package of build/npm fits what the program fits and has its errors; broken files do not stop it.
+// needs: site
 import assert from "node:assert";
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, readdirSync, rmSync } from "node:fs";
@@ -8,7 +9,7 @@ import { fileURLToPath } from "node:url";
 
 const root = path.join(path.dirname(fileURLToPath(import.meta.url)), "../.."), folder = mkdtempSync(path.join(tmpdir(), "srbf-npm-"));
 const { fit, open } = await import(path.join(root, "build/npm/srbf.mjs"));
-const program = (...all) => execFileSync(path.join(root, "build/release/srbf"), all, { stdio: "pipe" });
+const program = (...all) => execFileSync(process.argv[2] ?? path.join(root, "build/release/srbf"), all, { stdio: "pipe" });
 const paper = path.join(root, "data/paper_white_rgb.bsdf"), bytes = readFileSync(paper), name = "paper_white_rgb.bsdf";
 
 // A three.js module has lobes for environments, which are found by what renderers evaluate: their numbers depend on the processor.

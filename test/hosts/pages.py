@@ -5,8 +5,9 @@
 without a file's name runs in one session for the page; any other block is a file, whose name its first line says in a comment. A block that
 is not run says why in the line above it: <!-- not run: ... -->. `data` and `examples` are the folders of the clone; READER_FILES makes the
 files that a page takes as its reader's. A page that needs a package of PyPI that is not installed is named, and not run.
-Arguments: the program, a folder of measurements, and names of pages; all pages without these.
+Usage: pages.py PROGRAM DATA [NAME..], of some pages.
 """
+# needs: numpy1
 import importlib.util
 import os
 import re
@@ -17,9 +18,9 @@ import tempfile
 import textwrap
 from pathlib import Path
 
-from checks import ROOT, expect, finish
+from support.checks import ROOT, arguments, expect, finish
 
-program, measurements = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
+program, measurements, names = arguments()
 documents = [ROOT / "README.md", ROOT / "examples/README.md", *sorted(ROOT.glob("docs/*.md")), *sorted(ROOT.glob("docs/tutorials/*.md"))]
 NEEDS = {"mitsuba": ["mitsuba"], "blender": ["bpy"], "maps": ["OpenEXR"]}
 NOT_CODE = {"math", ""}  # formulas, and diagrams
@@ -86,8 +87,8 @@ def prepare(folder, page):
 
 
 def matches(expected, printed):
-    words = lambda text: " ".join(text.split())
-    return re.search(".*".join(map(re.escape, (words(part) for part in expected.split("...")))), words(printed)) is not None
+    parts = [re.escape(" ".join(part.split())) for part in expected.split("...")]
+    return re.search(".*".join(parts), " ".join(printed.split())) is not None
 
 
 def run(page):
@@ -120,7 +121,7 @@ def run(page):
     return ""
 
 
-for page in documents if len(sys.argv) == 3 else [page for page in documents if page.stem in sys.argv[3:]]:
+for page in [page for page in documents if not names or page.stem in names]:
     missing = [package for package in NEEDS.get(page.stem, []) if importlib.util.find_spec(package) is None]
     if missing:
         print(f"skipped: {page.stem}, without {', '.join(missing)}")

@@ -1,7 +1,7 @@
 """The patches of paper/ apply to the sources."""
 import subprocess
 
-from checks import ROOT, expect, finish
+from support.checks import ROOT, expect, finish
 
 for patch in sorted((ROOT / "paper").glob("*.patch")):
     done = subprocess.run(["git", "apply", "--check", str(patch)], cwd=ROOT, capture_output=True, text=True)

@@ -1,4 +1,4 @@
-"""The ready files of the bundled film are what the program writes: test/hosts/ready.py PROGRAM; --write writes them anew. Texts
+"""The ready files of the bundled film are what the program writes; `./run test hosts ready --write` writes them anew. Texts
 must be equal; numbers that are fitted to values of a renderer's arithmetic may differ in their last digits."""
 import base64
 import math
@@ -10,11 +10,11 @@ import tempfile
 import zlib
 from pathlib import Path
 
-from checks import ROOT, expect, finish
+from support.checks import ROOT, arguments, expect, finish
 from support.chromium import WEBGL, Chromium, program as chromium
 from packed import pack
 
-program, data = Path(sys.argv[1]).resolve(), ROOT / "data"
+program, data = arguments()[0], ROOT / "data"
 NUMBER = re.compile(r"-?\d+\.\d+(?:e[-+]?\d+)?")
 MEASURED = data / "cc_ibiza_sunset_rgb.bsdf"
 MODEL = ["export", "film.srbf", "--to"]
@@ -73,7 +73,7 @@ with tempfile.TemporaryDirectory() as folder:
         numbers = [[float(number) for number in NUMBER.findall(text)] for text in texts]
         same = NUMBER.sub("#", texts[0]) == NUMBER.sub("#", texts[1]) and all(
             math.isclose(a, b, rel_tol=1e-3, abs_tol=1e-5) for a, b in zip(*numbers))
-        expect(same, f"{name} is as the program writes it; otherwise: ready.py PROGRAM --write")
+        expect(same, f"{name} is as the program writes it; otherwise: ./run test hosts ready --write")
 if chromium():
     check_page(data / "ready/film.html")
 finish()

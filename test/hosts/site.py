@@ -1,6 +1,7 @@
 """The page of build/site in a browser, from the disk as a user has it: each kind of measurement is opened, fitted and saved, and what
 is saved is compared byte by byte with the program's files. Damaged files are refused with the program's words. The page in one file of
-data/ready fits as the program does; --write puts the one of build/ there."""
+data/ready fits as the program does; `./run test hosts site --write` puts the one of build/ there."""
+# needs: site
 import hashlib
 import math
 import re
@@ -11,10 +12,10 @@ import tempfile
 import time
 from pathlib import Path
 
-from checks import ROOT, expect, finish, skip
+from support.checks import ROOT, arguments, expect, finish, skip
 from support.chromium import WEBGL, Chromium, program
 
-srbf = ROOT / "build/release/srbf"
+srbf = arguments()[0]
 LONGEST_TASK, CANCELLED_WITHIN, MOST_MEMORY = 100, 1, 300 * 2**20  # milliseconds; seconds; bytes of the module
 PATIENCE = 400  # seconds until a fit counts as failed
 SAVED = [("glsl", ".glsl"), ("hlsl", ".hlsl"), ("unity", ".shader"), ("wgsl", ".wgsl"), ("msl", ".metal"), ("c", ".h"), ("three", ".js"),

@@ -2,21 +2,15 @@
 """Files of surfaces in MaterialX and USD: packages materialx and usd-core of PyPI, in this Python.
 
 Fits a surface to a measurement and writes it for each program. The validators of MaterialX and USD accept the files.
-Arguments: the program, a folder with rgl/.
+Usage: surfaces.py PROGRAM DATA, with rgl/ in DATA.
 """
-import subprocess
-import sys
 import tempfile
 
 import MaterialX as mx
-from checks import expect, finish
+from support.checks import arguments, expect, finish, srbf
 from pxr import Usd, UsdShade, UsdValidation
 
-program, data = sys.argv[1], sys.argv[2]
-
-
-def run(*words):
-    return subprocess.run([program, *words], check=True, capture_output=True, text=True).stdout
+_, data, _ = arguments()
 
 
 def check_materialx(path, kind="open_pbr_surface", name="OpenPBR"):
@@ -45,9 +39,9 @@ def check_usd(path):
 
 with tempfile.TemporaryDirectory() as folder:
     model = f"{folder}/surface.srbf"
-    run("fit", data + "/rgl/cg_sunflower_rgb.bsdf", "--model", "openpbr", "-o", model)
+    srbf("fit", data / "rgl/cg_sunflower_rgb.bsdf", "--model", "openpbr", "-o", model)
     for kind, name in (("mtlx", "s.mtlx"), ("standard-surface", "a.mtlx"), ("usd", "s.usda")):
-        print(run("export", model, "--to", kind, "-o", f"{folder}/{name}").strip())
+        print(srbf("export", model, "--to", kind, "-o", f"{folder}/{name}").strip())
     check_materialx(folder + "/s.mtlx")
     check_materialx(folder + "/a.mtlx", "standard_surface", "Standard Surface")
     check_usd(folder + "/s.usda")

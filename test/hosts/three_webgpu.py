@@ -1,25 +1,24 @@
 #!/usr/bin/env python3
 """The two materials of three.js: WebGLRenderer's (release 187) and WebGPURenderer's (185), whose files are in peers/ beside the measurements, in
-Chromium; numpy and openexr of PyPI. Without one of them nothing is tried.
+Chromium; numpy and openexr of PyPI. It is skipped without one of them.
 
 Under four lamps and an ambient light both draw the same picture of the film and the paper, under a rectangular one nearly the same, and under
 three environments each is compared with path-traced ones, in means of 4 x 4 pixels. The WebGPURenderer's draws nearly the same of a cube texture of the studio, and of the map
 that three makes of it. A second material on the page is another one, and one that is saved and loaded the same. The time of frames of 256 x 256
-pixels is printed: that of processors, which other programs hardly change. Arguments: the program, a folder with peers/ beside it.
+pixels is printed: that of processors, which other programs hardly change. Usage: three_webgpu.py PROGRAM DATA, with peers/ beside DATA.
 """
 import importlib.util
 import json
 import math
 import shutil
-import sys
 import tempfile
 from pathlib import Path
 
-from checks import ROOT, expect, finish, skip
+from support.checks import ROOT, arguments, expect, finish, skip, srbf
 from support.chromium import program as chromium
 from support.visible_error import delta_e, equirectangular
 from support.browser_server import WEBGPU, opened, picture
-from support.surface_drawing import DISTANCE, ELEVATION, FIELD, SIZE, coarse, drawn, on_sphere, run
+from support.surface_drawing import DISTANCE, ELEVATION, FIELD, SIZE, coarse, drawn, on_sphere
 
 SWIFTSHADER = ["--use-gl=angle", "--use-angle=swiftshader", "--ignore-gpu-blocklist", "--enable-unsafe-swiftshader"]
 RENDERERS = {"WebGLRenderer": ("three", SWIFTSHADER, ("module", "core"), {"three": "./three.module.js"}),
@@ -77,8 +76,16 @@ window.loaded = () => {
 };
 window.isReady = true;
 </script>"""
-found = {name: next((folder for folder in Path(sys.argv[2]).parent.glob("peers/*") if all((folder / f"three.{file}.js").exists() for file in files)), None)
-         for name, (_, _, files, _) in RENDERERS.items()}
+_, data, _ = arguments()
+
+
+def folder_of(files):
+    """The folder in peers/ with these files of three.js, or None."""
+    folders = data.parent.glob("peers/*")
+    return next((folder for folder in folders if all((folder / f"three.{file}.js").exists() for file in files)), None)
+
+
+found = {name: folder_of(files) for name, (_, _, files, _) in RENDERERS.items()}
 if None in found.values() or chromium() is None or importlib.util.find_spec("OpenEXR") is None:
     skip("no three.js of both releases, no Chromium or no OpenEXR")
 inside = on_sphere()
@@ -110,20 +117,20 @@ def milliseconds(browser, material, light):
     return min(times)
 
 
-environments = {name: Path(sys.argv[2], "hdr", name + ".hdr") for name in ENVIRONMENTS}
+environments = {name: data / "hdr" / (name + ".hdr") for name in ENVIRONMENTS}
 texels = {name: json.dumps(dict(zip(("rows", "width", "height"), equirectangular(path)))) for name, path in environments.items()}
 with tempfile.TemporaryDirectory() as name:
     for material in ("cc_ibiza_sunset_rgb", "paper_white_rgb"):
         model, other, pictures = Path(name, "material.srbf"), Path(name, "other.srbf"), {}
-        run("fit", ROOT / f"data/{material}.bsdf", "-o", model)
-        run("edit", model, "--hue", 120, "-o", other)
+        srbf("fit", ROOT / f"data/{material}.bsdf", "-o", model)
+        srbf("edit", model, "--hue", 120, "-o", other)
         traced = {light: coarse(drawn(model, f"{name}/traced.exr", path))[whole] for light, path in environments.items()}
         for renderer, (kind, flags, files, imports) in RENDERERS.items():
             site = Path(name, material, renderer)
             site.mkdir(parents=True)
             for file in files:
                 shutil.copy(found[renderer] / f"three.{file}.js", site)
-            run("export", model, other, "--to", kind, "-o", site / "material.js")
+            srbf("export", model, other, "--to", kind, "-o", site / "material.js")
             for light, text in texels.items():
                 (site / f"{light}.json").write_text(text)
             texts = {"ENVIRONMENTS": json.dumps(list(ENVIRONMENTS)), "IMPORTS": json.dumps(imports), "LIBRARY": next(iter(imports)),

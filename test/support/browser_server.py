@@ -5,8 +5,6 @@ import functools
 import http.server
 import threading
 
-import numpy as np
-
 from support.chromium import Chromium
 
 WEBGPU = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader"]
@@ -17,14 +15,20 @@ class Handler(http.server.SimpleHTTPRequestHandler):
         pass
 
 
+def serve(folder):
+    """A server of the folder at 127.0.0.1, and its address."""
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Handler, directory=folder))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    return server, f"http://127.0.0.1:{server.server_port}/"
+
+
 @contextlib.contextmanager
 def opened(folder, page, flags):
     """A browser that shows this page of the folder."""
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Handler, directory=folder))
-    threading.Thread(target=server.serve_forever, daemon=True).start()
+    server, address = serve(folder)
     browser = Chromium(flags)
     try:
-        browser.ask("Page.navigate", url=f"http://127.0.0.1:{server.server_port}/{page}")
+        browser.ask("Page.navigate", url=address + page)
         browser.wait_for("Page.loadEventFired")
         yield browser
     finally:
@@ -34,7 +38,9 @@ def opened(folder, page, flags):
 
 def picture(browser, promise, size):
     """The linear picture [size, size, 3] of a promise of float32 RGBA, whose first row is the lowest. Waits for 100 seconds."""
-    text = browser.run(f"""Promise.race([{promise}, new Promise((_, no) => setTimeout(() => no("no picture"), 100000))]).then(({{ buffer }}) => {{
+    import numpy as np  # the pages of a site are served without it
+    patience = 'new Promise((_, no) => setTimeout(() => no("no picture"), 100000))'
+    text = browser.run(f"""Promise.race([{promise}, {patience}]).then(({{ buffer }}) => {{
         let text = "";
         for (const byte of new Uint8Array(buffer)) text += String.fromCharCode(byte);
         return btoa(text);

@@ -6,7 +6,6 @@ import select
 import shutil
 import subprocess
 import tempfile
-import time
 
 
 def program():
@@ -56,10 +55,10 @@ class Chromium:
         """The next message."""
         while b"\0" not in self.rest:
             if not select.select([self.in_], [], [], LIMIT)[0]:
-                raise TimeoutError("Chromium says nothing")
+                raise TimeoutError(f"no message from Chromium for {LIMIT} s")
             more = os.read(self.in_, 1 << 20)
             if not more:
-                raise EOFError("Chromium is gone")
+                raise EOFError("Chromium ended")
             self.rest += more
         text, self.rest = self.rest.split(b"\0", 1)
         message = json.loads(text)

@@ -172,6 +172,9 @@ inline Bytes grey_mbsdf() {
                       {mbsdf_block("MBSDF_DATA=", 2, 3, 1, f), mbsdf_block("MBSDF_DATA_TRANSMISSION=", 1, 2, 3, f)});
 }
 
+/// A measurement of this table, without names.
+inline Measured measured_of(decltype(Measured::table) table) { return {{}, {}, 0, std::move(table)}; }
+
 /// A measurement bundled with the project, by its name without extension. Each is read once.
 inline const Measured& bundled(const std::string& name) {
     static std::map<std::string, Measured> all;

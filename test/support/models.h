@@ -5,7 +5,7 @@
 #include "models/ggx/ggx_kind.h"
 #include "models/model_files.h"
 #include "models/pm/pm_functions.h"
-#include "properties.h"
+#include "random_directions.h"
 #include "srbf/map.h"
 #include "srbf/model.h"
 

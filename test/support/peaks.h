@@ -1,7 +1,7 @@
 // Synthetic BRDFs with a highlight, and conversions that must not move it.
 #pragma once
-#include "brdf/directions.h"
 #include "app/peak.h"
+#include "brdf/directions.h"
 #include "properties.h"
 #include "srbf/measured.h"
 

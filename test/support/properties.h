@@ -1,4 +1,4 @@
-// Parts of all tests: expectations of numbers and texts, the location of data, random directions.
+// Parts of all tests: expectations of numbers and texts, the location of data, and properties of values.
 #pragma once
 #include <gtest/gtest.h>
 
@@ -8,9 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "brdf/directions.h"
+#include "random_directions.h"
 #include "srbf/result.h"
-#include "srbf/vec.h"
 
 namespace srbf {
 
@@ -29,6 +28,27 @@ constexpr bool k_is_sanitized = SRBF_IS_SANITIZED;
 #define ASSERT_WITHIN(a, b, tolerance) ASSERT_PRED3(::srbf::near, a, b, tolerance)
 #define EXPECT_WITHIN_RELATIVE(a, b, tolerance) EXPECT_PRED3(::srbf::near_relative, a, b, tolerance)
 
+/// |a − b| ≤ relative |b| + absolute in each channel. A failure names the channel.
+#define EXPECT_RGB_WITHIN_RELATIVE(a, b, relative, absolute) \
+    EXPECT_PRED_FORMAT4(::srbf::rgb_near, a, b, relative, absolute)
+#define ASSERT_RGB_WITHIN_RELATIVE(a, b, relative, absolute) \
+    ASSERT_PRED_FORMAT4(::srbf::rgb_near, a, b, relative, absolute)
+#define EXPECT_RGB_WITHIN(a, b, absolute) EXPECT_RGB_WITHIN_RELATIVE(a, b, 0, absolute)
+#define ASSERT_RGB_WITHIN(a, b, absolute) ASSERT_RGB_WITHIN_RELATIVE(a, b, 0, absolute)
+inline double channel(const Rgb& colour, int c) { return double(colour[c]); }
+template <typename Channels> double channel(const Channels& channels, int c) {
+    return double(channels[std::size_t(c)]);
+}
+template <typename A, typename B>
+testing::AssertionResult rgb_near(const char* a_text, const char* b_text, const char*, const char*, const A& a,
+                                  const B& b, double relative, double absolute) {
+    for (int c = 0; c < 3; ++c)
+        if (!near(channel(a, c), channel(b, c), relative * std::abs(channel(b, c)) + absolute))
+            return testing::AssertionFailure() << a_text << " has " << channel(a, c) << " and " << b_text << ' '
+                                               << channel(b, c) << " in channel " << c;
+    return testing::AssertionSuccess();
+}
+
 /// Expects that a text contains a part, or lacks it. A failure prints the part and the beginning of the text.
 #define EXPECT_CONTAINS(text, part) EXPECT_PRED_FORMAT2(::srbf::contains, text, part)
 #define EXPECT_LACKS(text, part) EXPECT_PRED_FORMAT2(::srbf::lacks, text, part)
@@ -37,6 +57,14 @@ inline testing::AssertionResult contains(const char*, const char*, std::string_v
 }
 inline testing::AssertionResult lacks(const char*, const char*, std::string_view text, std::string_view part) {
     return testing::AssertionResult(text.find(part) == text.npos) << part << "\nis in\n" << text.substr(0, 4096);
+}
+
+/// Expects one line with its end, which begins like this.
+#define EXPECT_ONE_LINE(text, beginning) EXPECT_PRED_FORMAT2(::srbf::is_one_line, text, beginning)
+inline testing::AssertionResult is_one_line(const char*, const char*, std::string_view text, std::string_view begin) {
+    return testing::AssertionResult(text.starts_with(begin) && text.find('\n') + 1 == text.size())
+           << "expected one line that begins with \"" << begin << "\", found\n"
+           << text.substr(0, 4096);
 }
 
 /// The message of a result's error; empty if there is none.
@@ -54,27 +82,6 @@ inline std::filesystem::path bundled_data() { return std::filesystem::path(SRBF_
 inline std::filesystem::path shared_data() {
     const char* folder = std::getenv("SRBF_DATA");
     return folder ? std::filesystem::path(folder) : std::filesystem::path(SRBF_SOURCE_DIR) / ".." / "shared" / "data";
-}
-
-/// A direction uniform on the sphere (for z ≥ z_min).
-inline Vec3d random_direction(std::mt19937_64& random, double z_min = -1) {
-    const double z = z_min + (1 - z_min) * uniform(random), phi = 2 * k_pi * uniform(random);
-    const double r = std::sqrt(std::max(0.0, 1 - z * z));
-    return {r * elementary::cos(phi), r * elementary::sin(phi), z};
-}
-
-/// A random direction. With probability ¼ it is within a degree of the horizon or of the normal.
-inline Vec3f direction_with_extremes(std::mt19937_64& random) {
-    const double pick = uniform(random);
-    if (pick < 0.125) return to_float(spherical(k_pi / 2 - uniform(random) * k_degree, 7 * uniform(random)));
-    if (pick < 0.25) return to_float(spherical(uniform(random) * k_degree, 7 * uniform(random)));
-    return to_float(random_direction(random, 1e-4));
-}
-
-/// ω rotated about the normal.
-inline Vec3f rotate(Vec3f w, double phi) {
-    const double c = std::cos(phi), s = std::sin(phi);
-    return to_float(Vec3d{c * double(w.x) - s * double(w.y), s * double(w.x) + c * double(w.y), double(w.z)});
 }
 
 /// True if `f` is zero below the horizon, and elsewhere finite and not negative. If `may_be_missing`, NaN in every

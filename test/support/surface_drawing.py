@@ -1,27 +1,21 @@
 """Common parts of scripts that draw surfaces in other programs: materials, the camera of `srbf render`, and reports."""
 import math
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 
+from support.checks import ROOT, expect, srbf
 from support.visible_error import delta_e
 
 MATERIALS = ["cc_ibiza_sunset_rgb", "cg_sunflower_rgb", "colodur_napoli_4f_rgb", "paper_white_rgb", "vch_golden_yellow_rgb"]
-HOST_WITHIN = 0.3  # relative to the error of the surface against the measurement
-BRUSHED = Path(__file__).resolve().parent.parent / "models/1/pbr_brushed.srbf"  # a surface with anisotropy: a host draws it as `srbf render` does
+HOST_WITHIN = 0.3  # the host's error against the measurement, relative to that of the surface
+BRUSHED = ROOT / "test/models/1/pbr_brushed.srbf"  # a surface with anisotropy: a host draws it as `srbf render` does
 BRUSHED_WITHIN = 20  # ΔE_ITP; turned by 18° more it is 37
 SIZE, SAMPLES, COARSE = 64, 512, 4
 # The camera of `srbf render`: 15° above the horizon, 30° wide, the sphere within a margin of 4 %.
 ELEVATION, FIELD, MARGIN = math.radians(15), math.radians(30), 0.04
 DISTANCE = math.hypot(1, 1 / (math.tan(FIELD / 2) * (1 - MARGIN)))
-program = sys.argv[1]
-studio = Path(__file__).resolve().parent.parent.parent / "data/studio.hdr"
-
-
-def run(*words):
-    return subprocess.run([program, *map(str, words)], check=True, stdout=subprocess.PIPE, text=True).stdout
+studio = ROOT / "data/studio.hdr"
 
 
 def pixels_of(path):
@@ -88,9 +82,10 @@ def drawn_by_cycles(script, out, lamp=None, environment=studio):
     return pixels_of(out)
 
 
-def drawn(subject, out, environment=studio):
-    """Draws by `srbf render`."""
-    run("render", subject, "-o", out, "--mesh", "sphere", "--env", environment, "--no-ground", "--no-occlusion", "--size", f"{SIZE}x{SIZE}", "--spp", SAMPLES)
+def drawn(subject, out, environment=studio, light=()):
+    """Draws by `srbf render`, under the environment or by other options of light."""
+    srbf("render", subject, "-o", out, "--mesh", "sphere", *(light or ("--env", environment)), "--no-ground", "--no-occlusion",
+         "--size", f"{SIZE}x{SIZE}", "--spp", SAMPLES)
     return pixels_of(out)
 
 
@@ -110,13 +105,15 @@ def errors_of(reference, surface, host):
     return delta_e(surface, reference), delta_e(host, reference), delta_e(host, surface)
 
 
-def judge_brushed(host, difference):
-    """Returns True if ΔE_ITP between a host's picture of the brushed surface and ours is as small as expected, and a line that says it."""
-    return difference <= BRUSHED_WITHIN, f"brushed metal: {host} against ours {difference:.2f}"
+def expect_brushed(host, difference):
+    """Expects that a host's picture of the brushed surface is near that of `srbf render`, by ΔE_ITP."""
+    expect(difference <= BRUSHED_WITHIN, f"brushed metal: {host} against srbf {difference:.2f}")
 
 
-def judge_errors(name, host, errors, own_formulas):
-    """Returns True if the errors of surface and host are as small as expected or have a known reason, and a line that says them."""
-    ours, theirs, difference = errors
-    is_near = name in own_formulas or abs(theirs / ours - 1) <= HOST_WITHIN
-    return is_near, f"{name}: against the measurement ours {ours:.2f}, {host} {theirs:.2f}; {host} against ours {difference:.2f}"
+def expect_errors(name, host, errors, largest_ratios):
+    """Expects that the host's error against the measurement is within 30 % of the surface's, or at most the ratio that `largest_ratios`
+    has for the material."""
+    surface_error, host_error, difference = errors
+    ratio, largest = host_error / surface_error, largest_ratios.get(name, 1 + HOST_WITHIN)
+    expect(1 - HOST_WITHIN <= ratio <= largest, f"{name}: against the measurement srbf {surface_error:.2f}, {host} {host_error:.2f}, "
+           f"{ratio:.2f} times that, at most {largest}; {host} against srbf {difference:.2f}")

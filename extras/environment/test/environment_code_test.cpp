@@ -5,6 +5,7 @@
 #include "compiled_code.h"
 #include "models.h"
 #include "models/ggx/ggx_kind.h"
+#include "properties.h"
 #include "srbf/prepared.h"
 #include "statistics.h"
 
@@ -55,7 +56,7 @@ TEST_F(EnvironmentCode, DrawsAreOfTheEnvironment) {
             EXPECT_LT(std::abs(error), 0.12) << wv.z;
             squares += elementary::square(error);
         }
-        for (int c = 0; c < 3; ++c) EXPECT_NEAR(found_by_many[c], expected[c], 0.01f * expected[c]) << wv.z;
+        EXPECT_RGB_WITHIN_RELATIVE(found_by_many, expected, 0.01, 0) << wv.z;
     }
     EXPECT_LT(std::sqrt(squares / (2 * k_views)), 0.03);
 }
@@ -102,7 +103,7 @@ TEST_F(EnvironmentCode, EnvironmentsAreThoseOfTheLibrary) {
             expected.g += lobe.weight.g * (1 + axis.z);
             expected.b += lobe.weight.b * lobe.roughness;
         }
-        for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], std::max(expected[c], 0.f), 1e-4f) << wv.z;
+        for (int c = 0; c < 3; ++c) EXPECT_WITHIN(found[c], std::max(expected[c], 0.f), 1e-4f) << wv.z;
     }
 }
 
@@ -181,8 +182,8 @@ TEST_F(EnvironmentCode, AreaLightsAreIntegralsOfTheLobes) {
         const Quadrilateral area = random_quadrilateral(random, 0.7);
         const LobeIntegral expected = lobe_integral(lobes_at(light, wv.z), wv, area);
         ASSERT_LT(expected.unresolved, 0.1 * expected.whole);
-        EXPECT_NEAR(green(wv, area.corners()), std::max(expected.resolved, 0.0),
-                    0.04 * expected.whole + expected.unresolved)
+        EXPECT_WITHIN(green(wv, area.corners()), std::max(expected.resolved, 0.0),
+                      0.04 * expected.whole + expected.unresolved)
             << i;
     }
     for (int i = 0; i < 20; ++i) {  // small ones show the BRDF itself
@@ -190,12 +191,12 @@ TEST_F(EnvironmentCode, AreaLightsAreIntegralsOfTheLobes) {
         const Quadrilateral area = random_quadrilateral(random, 0.02);
         const double solid = 4 * std::abs(dot(cross(area.x, area.y), area.middle));
         const double expected = double(value(brdf, to_float(area.middle), wv).g) * std::max(area.middle.z, 0.0) * solid;
-        EXPECT_NEAR(green(wv, area.corners(2)), expected, 0.01 * expected + 1e-6) << i;
+        EXPECT_WITHIN(green(wv, area.corners(2)), expected, 0.01 * expected + 1e-6) << i;
     }
     constexpr float wide = 1e4f;
     const std::array<Vec3f, 4> sky{Vec3f(-wide, -wide, 0.01f), Vec3f(wide, -wide, 0.01f), Vec3f(wide, wide, 0.01f),
                                    Vec3f(-wide, wide, 0.01f)};
-    EXPECT_NEAR(green({0, 0, 1}, sky), double(albedo(brdf, 1).g), 0.01);
+    EXPECT_WITHIN(green({0, 0, 1}, sky), double(albedo(brdf, 1).g), 0.01);
 }
 
 TexelMap map_of(int lobes, std::size_t width) {
@@ -207,7 +208,7 @@ std::string lit_code(const TexelMap& map, CodeLanguage language) {
     return text ? *text : (ADD_FAILURE() << message(text.error()), "");
 }
 void expect_near_colour(const Rgb& found, const Rgb& expected, float relative, const std::string& about) {
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], relative * expected[c] + 1e-30f) << about;
+    EXPECT_RGB_WITHIN_RELATIVE(found, expected, relative, 1e-30) << about;
 }
 
 /// The radiance of a uniform environment is reflected by the albedo, and that of a large quadrilateral near the

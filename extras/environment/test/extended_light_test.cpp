@@ -51,22 +51,22 @@ TEST(ExtendedLight, KernelsAreDensities) {
     for (const MapLevels levels : {MapLevels::root, MapLevels::three})
         for (const float roughness : {0.15f, 0.3f, 0.6f, 0.95f, 0.999f, 1.f}) {
             const auto kernel = [&](const Vec3d& w) { return double(filter_kernel(roughness, float(w.z), levels)); };
-            EXPECT_NEAR(hemisphere_integral(kernel, 20000, 1), 1, 1e-4) << roughness;
+            EXPECT_WITHIN(hemisphere_integral(kernel, 20000, 1), 1, 1e-4) << roughness;
         }
-    EXPECT_NEAR(filter_kernel(1, 0.5f), 0.5 / k_pi, 1e-6);
+    EXPECT_WITHIN(filter_kernel(1, 0.5f), 0.5 / k_pi, 1e-6);
     EXPECT_EQ(filter_kernel(0.3f, -0.1f), 0);
 }
 
 // At a level K is GGX's of the level's roughness, which is 2 r² wide; between levels it is not.
 TEST(ExtendedLight, LevelsAreFilteredForTheirRoughness) {
-    EXPECT_NEAR(roughness_of_level(2), 0.16, 1e-12);
-    EXPECT_NEAR(roughness_of_level(2, MapLevels::three), 1 - std::sqrt(0.6), 1e-12);  // PMREMGenerator.lodToRoughness
+    EXPECT_WITHIN(roughness_of_level(2), 0.16, 1e-12);
+    EXPECT_WITHIN(roughness_of_level(2, MapLevels::three), 1 - std::sqrt(0.6), 1e-12);  // PMREMGenerator.lodToRoughness
     for (const MapLevels levels : {MapLevels::root, MapLevels::three})
         for (int level = 2; level < ExtendedLight::k_levels; ++level) {  // floats have no cosines for the first
             const double r = roughness_of_level(level, levels), a = r * r, c = std::cos(a);
-            EXPECT_NEAR(level_of_roughness(r, levels), level, 1e-12);
+            EXPECT_WITHIN(level_of_roughness(r, levels), level, 1e-12);
             const double falls = c * 4 * a * a * a * a / std::pow(1 + a * a - (1 - a * a) * c, 2);
-            EXPECT_NEAR(filter_kernel(float(r), float(c), levels) / filter_kernel(float(r), 1, levels), falls, 2e-3);
+            EXPECT_WITHIN(filter_kernel(float(r), float(c), levels) / filter_kernel(float(r), 1, levels), falls, 2e-3);
         }
 }
 
@@ -98,8 +98,8 @@ TEST(ExtendedLight, WhiteAllRoundIsReflectedByTheAlbedo) {
             const Rgb whole = reflected_of_white(brdf, double(cosine)), between = albedo(brdf, cosine);
             for (int c = 0; c < 3; ++c) {
                 const float within = std::max(0.01f * whole[c], 0.002f);
-                EXPECT_NEAR(between[c], whole[c], within) << cosine;
-                EXPECT_NEAR(sum[c], std::min(whole[c], 1.f), within) << cosine;
+                EXPECT_WITHIN(between[c], whole[c], within) << cosine;
+                EXPECT_WITHIN(sum[c], std::min(whole[c], 1.f), within) << cosine;
                 EXPECT_LT(sum[c], 1.0001f) << cosine;
                 max = std::max(max, double(whole[c]));
             }
@@ -125,10 +125,10 @@ TEST(ExtendedLight, LightsOfAnySizeAreReflected) {
         };
         const double whole = double(albedo(brdf, cosine).g);
         const double half = reflected(half_sphere), box = reflected(box_light);
-        EXPECT_NEAR(looked_up(light, wv, half_sphere), half, 0.05 * whole) << cosine;
-        EXPECT_NEAR(looked_up(light, wv, box_light), box, 0.05 * whole) << cosine;
-        EXPECT_NEAR(looked_up(three_levels, wv, half_sphere, MapLevels::three), half, 0.05 * whole) << cosine;
-        EXPECT_NEAR(looked_up(three_levels, wv, box_light, MapLevels::three), box, 0.05 * whole) << cosine;
+        EXPECT_WITHIN(looked_up(light, wv, half_sphere), half, 0.05 * whole) << cosine;
+        EXPECT_WITHIN(looked_up(light, wv, box_light), box, 0.05 * whole) << cosine;
+        EXPECT_WITHIN(looked_up(three_levels, wv, half_sphere, MapLevels::three), half, 0.05 * whole) << cosine;
+        EXPECT_WITHIN(looked_up(three_levels, wv, box_light, MapLevels::three), box, 0.05 * whole) << cosine;
     }
 }
 
@@ -159,7 +159,7 @@ TEST(ExtendedLight, SharedLobesReflectAnySum) {
                 };
                 const double box = hemisphere_integral(
                     [&](const Vec3d& w) { return box_light(w) * double(value(brdf, to_float(w), wv).g) * w.z; });
-                EXPECT_NEAR(double(whole) * looked_up(lobes, wv, box_light), box, 0.05 * double(whole)) << cosine;
+                EXPECT_WITHIN(double(whole) * looked_up(lobes, wv, box_light), box, 0.05 * double(whole)) << cosine;
             }
         }
     }
@@ -196,7 +196,7 @@ TEST(ExtendedLight, AnisotropicIsTheMeanOverAzimuths) {
         const double looked = looked_up(light, wv, [&](const Vec3d&w) { return dot(w, away) > 0 ? 1.0 : 0; }),
                      looked_up_whole = looked_up(light, wv, [](const Vec3d&) { return 1.0; });
         EXPECT_GT(std::abs(first - lit / whole), 0.05);
-        EXPECT_NEAR(looked / looked_up_whole, lit / whole, 0.015) << cosine;
+        EXPECT_WITHIN(looked / looked_up_whole, lit / whole, 0.015) << cosine;
     }
 }
 

@@ -1,5 +1,6 @@
 // Environments filtered as a cube map.
 #include "extras/environment/app/filtered_environment.h"
+#include "properties.h"
 
 #include <gtest/gtest.h>
 
@@ -45,7 +46,7 @@ TEST(FilteredEnvironment, IsTheMeanByTheKernel) {
                 sum += k * double(environment.at(to_float(direction)).radiance.g), weight += k;
             }
             const double mean = sum / weight, brightest = 100 * (roughness < 0.6f ? 0.05 : 0.01);
-            EXPECT_NEAR(double(filtered.at(to_float(w), roughness).g), mean, 0.02 * mean + 0.02 * brightest)
+            EXPECT_WITHIN(double(filtered.at(to_float(w), roughness).g), mean, 0.02 * mean + 0.02 * brightest)
                 << roughness << " " << w.x << " " << w.y << " " << w.z;
         }
 }
@@ -55,13 +56,13 @@ TEST(FilteredEnvironment, IsContinuousAndBeginsWithTheEnvironment) {
     const Environment environment = lamp_and_sky();
     const FilteredEnvironment filtered(environment, k_size);
     const auto green = [&](Vec3d w, float roughness) { return filtered.at(to_float(normalize(w)), roughness).g; };
-    EXPECT_NEAR(green({0.3, 0.9, 0.2}, 0), 0.3f, 1e-3f);
-    EXPECT_NEAR(green({0.3, -0.9, 0.2}, 0), 0.02f, 1e-3f);
+    EXPECT_WITHIN(green({0.3, 0.9, 0.2}, 0), 0.3f, 1e-3f);
+    EXPECT_WITHIN(green({0.3, -0.9, 0.2}, 0), 0.02f, 1e-3f);
     for (const float roughness : {0.f, 0.1f, 0.4f, 1.f})
         for (double s = -0.95; s < 1; s += 0.1) {
             const float scale = std::max(green({1, s, 1}, roughness), 0.02f);
-            EXPECT_NEAR(green({1, s, 0.9999}, roughness), green({0.9999, s, 1}, roughness), 0.01f * scale);
-            EXPECT_NEAR(green({s, 1, 0.9999}, roughness), green({s, 0.9999, 1}, roughness), 0.01f * scale);
+            EXPECT_WITHIN(green({1, s, 0.9999}, roughness), green({0.9999, s, 1}, roughness), 0.01f * scale);
+            EXPECT_WITHIN(green({s, 1, 0.9999}, roughness), green({s, 0.9999, 1}, roughness), 0.01f * scale);
         }
 }
 

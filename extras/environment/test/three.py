@@ -1,7 +1,5 @@
 """python3 three.py FOLDER: renders the scenes of FOLDER/scenes.json with three.js, which is in the folder with what a page needs;
-the picture of scene i as FOLDER/i.rgba, rows from the top, and one of the page of examples/ as FOLDER/example.png.
-
-Exit status 77: there is no Chromium, or none with WebGL 2; standard output says which."""
+the picture of scene i as FOLDER/i.rgba, rows from the top, and one of the page of examples/ as FOLDER/example.png."""
 import base64
 import json
 import os

@@ -1,7 +1,5 @@
 """python3 three_map.py FOLDER: renders a plane of 2 x 2 about the origin, which faces +z, by each scene of FOLDER/scenes.json with
-three.js, which is in the folder with what a page needs; the radiance of scene i as FOLDER/i.rgba, in 32-bit floats, rows from the top.
-
-Exit status 77: there is no Chromium, or none with WebGL 2; standard output says which."""
+three.js, which is in the folder with what a page needs; the radiance of scene i as FOLDER/i.rgba, in 32-bit floats, rows from the top."""
 import base64
 import json
 import os

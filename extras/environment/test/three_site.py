@@ -1,17 +1,10 @@
 """A folder with three.js as a site, and a page in Chromium that can import of it; the program ends with status 77 where there is no
 Chromium or none with WebGL 2, which standard output says."""
-import functools
-import http.server
 import os
 import sys
-import threading
 
+from support.browser_server import serve
 from support.chromium import WEBGL, Chromium, program
-
-
-class Handler(http.server.SimpleHTTPRequestHandler):
-    def log_message(self, *arguments):
-        pass
 
 
 class Site:
@@ -19,9 +12,7 @@ class Site:
         if not program():
             print("no Chromium")
             sys.exit(77)
-        server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Handler, directory=folder))
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        self.address = f"http://127.0.0.1:{server.server_port}/"
+        _, self.address = serve(folder)
         with open(os.path.join(folder, "empty.html"), "w") as file:
             file.write("""<!doctype html><link rel="icon" href="data:,">
 <script type="importmap">{ "imports": { "three": "./three.module.js" } }</script>""")

@@ -1,6 +1,5 @@
 // The material of three.js shows what the desktop's renderer shows.
 #include <fmt/format.h>
-#include <sys/wait.h>
 
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -18,6 +17,8 @@
 #include "models/bsdf/bsdf_functions.h"
 #include "models/ggx/ggx_kind.h"
 #include "models/pm/search/fit_pm.h"
+#include "properties.h"
+#include "script.h"
 #include "srbf/convert.h"
 #include "srbf/elementary.h"
 #include "srbf/environment_code.h"
@@ -60,19 +61,6 @@ double psnr(const std::string& rgba, const Image8& picture, const std::vector<fl
             squares += difference * difference;
         }
     return count > 0 ? 10 * std::log10(255 * 255 * count / std::max(squares, 1e-3)) : 0;
-}
-
-/// Status and output of a script that has run on the folder.
-struct Said {
-    int status;
-    std::string text;
-};
-Said run_script(const char* name, const TemporaryFolder& folder) {
-    const int status = std::system(fmt::format("PYTHONDONTWRITEBYTECODE=1 PYTHONPATH='{0}/test' python3 "
-                                               "'{0}/extras/environment/test/{1}' '{2}' > '{3}' 2>&1",
-                                               SRBF_SOURCE_DIR, name, folder.path.string(), (folder / "said").string())
-                                       .c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(folder / "said")};
 }
 
 /// Models of three classes of material, and one that is only in the module.
@@ -146,10 +134,10 @@ TEST(Three, DrawsThePictureOfTheDesktop) {
     add_rasterized(expected, models, context->dialect());
     write_text(folder / "scenes.json", expected.scenes.dump());
 
-    const Said said = run_script("three.py", folder);
-    if (said.status == 77) GTEST_SKIP() << said.text;
-    ASSERT_EQ(said.status, 0) << said.text;
-    const Json result = Json::parse(said.text);
+    const ScriptRun run = run_script("extras/environment/test/three.py", {folder.path.string()});
+    SKIP_IF_UNAVAILABLE(run);
+    ASSERT_EQ(run.status, 0) << run.text;
+    const Json result = Json::parse(run.text);
     EXPECT_EQ(result["problems"], Json::array());
     EXPECT_GT(result["colours"], 100);
     EXPECT_GE(result["psnr"], 45);
@@ -355,10 +343,10 @@ TEST(Three, ShowsAMapAsItsTexels) {
     Json all;
     for (const MapScene& scene : scenes) all.push_back(scene.json);
     write_text(folder / "scenes.json", all.dump());
-    const Said said = run_script("three_map.py", folder);
-    if (said.status == 77) GTEST_SKIP() << said.text;
-    ASSERT_EQ(said.status, 0) << said.text;
-    const Json checks = Json::parse(said.text);
+    const ScriptRun run = run_script("extras/environment/test/three_map.py", {folder.path.string()});
+    SKIP_IF_UNAVAILABLE(run);
+    ASSERT_EQ(run.status, 0) << run.text;
+    const Json checks = Json::parse(run.text);
     EXPECT_EQ(checks["problems"], Json::array());
     EXPECT_EQ(checks["said"], Json::array());
     EXPECT_EQ(checks["is_loaded"], true);

@@ -95,7 +95,7 @@ TEST(FitMap, MeanOfCoefficientsIsMeanOfBrdfs) {
     for (std::size_t i = 0; i < wl.size(); ++i)
         for (int c = 0; c < 3; ++c) {
             const float mean = (value(models[0], wl[i], wv[i])[c] + value(models[1], wl[i], wv[i])[c]) / 2;
-            EXPECT_NEAR(value(models[2], wl[i], wv[i])[c], mean, 1e-6f * (1 + mean));
+            EXPECT_WITHIN(value(models[2], wl[i], wv[i])[c], mean, 1e-6f * (1 + mean));
         }
 }
 
@@ -108,8 +108,7 @@ TEST(FitMap, CoefficientsOfTexelsAreRecovered) {
     f[5].g = std::numeric_limits<float>::quiet_NaN();  // the last texel is black
     const TexelCoefficients found = coefficients_of_texels(map, {wl, wv, true}, f, 2);
     ASSERT_EQ(found.coefficient.size(), 9u);
-    for (std::size_t i = 0; i < 6; ++i)
-        for (int c = 0; c < 3; ++c) EXPECT_NEAR(found.coefficient[i][c], map.coefficient[i][c], 1e-3);
+    for (std::size_t i = 0; i < 6; ++i) EXPECT_RGB_WITHIN(found.coefficient[i], map.coefficient[i], 1e-3);
     for (std::size_t i = 6; i < 9; ++i) EXPECT_EQ(found.coefficient[i].r, 0);
     EXPECT_LT(found.error[0], 1e-3f);
 }
@@ -182,7 +181,7 @@ TEST(FitMap, MatteTexelsHaveNoHighlights) {
         std::vector<Rgb> g(l.size());
         evaluate(texel(*map, t), l, v, g);
         for (std::size_t i = 0; i < g.size(); ++i)
-            for (int c = 0; c < 3; ++c) EXPECT_WITHIN_RELATIVE(g[i][c], colours[t][c], 0.15) << t << ' ' << i;
+            EXPECT_RGB_WITHIN_RELATIVE(g[i], colours[t], 0.15, 0) << t << ' ' << i;
     }
 }
 
@@ -225,8 +224,8 @@ TEST(FitMap, PaintedTexelsAreMeansOfMaterials) {
     for (std::size_t j = 0; j < 3; ++j) {
         EXPECT_EQ(painted.coefficient[j], map.coefficient[j]);
         for (int c = 0; c < 3; ++c)
-            EXPECT_NEAR(painted.coefficient[3 + j][c],
-                        0.25f * map.coefficient[j][c] + 0.75f * map.coefficient[3 + j][c], 1e-3f);
+            EXPECT_WITHIN(painted.coefficient[3 + j][c],
+                          0.25f * map.coefficient[j][c] + 0.75f * map.coefficient[3 + j][c], 1e-3f);
     }
 }
 

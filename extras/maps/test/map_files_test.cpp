@@ -4,6 +4,7 @@
 #include "extras/maps/npy.h"
 #include "extras/maps/test/texel_values.h"
 #include "program.h"
+#include "properties.h"
 #include "srbf/file.h"
 #include "srbf/map.h"
 
@@ -102,7 +103,7 @@ TEST_F(MapFiles, MasksPaintMaterials) {
     const auto beta = [&](std::size_t t, std::size_t j) { return made->coefficient[t * 3 + j]; };
     for (std::size_t j = 0; j < 3; ++j)
         for (int c = 0; c < 3; ++c) {
-            EXPECT_NEAR(beta(2, j)[c], (beta(0, j)[c] + beta(1, j)[c]) / 2, 1e-3f * beta(2, j)[c]);
+            EXPECT_WITHIN(beta(2, j)[c], (beta(0, j)[c] + beta(1, j)[c]) / 2, 1e-3f * beta(2, j)[c]);
             EXPECT_EQ(beta(3, j)[c], 0);
         }
     EXPECT_EQ(map({paper, "--masks", "masks.npy"}).status, 1);

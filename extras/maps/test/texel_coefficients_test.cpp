@@ -39,8 +39,7 @@ class BadTexels : public testing::Test {
     void expect_good(const TexelCoefficients& found, std::size_t t, float tolerance) const {
         EXPECT_EQ(found.state[t], TexelState::fitted);
         for (std::size_t j = 0; j < 3; ++j)
-            for (int c = 0; c < 3; ++c)
-                EXPECT_NEAR(found.coefficient[3 * t + j][c], map.coefficient[j][c], tolerance) << j;
+            EXPECT_RGB_WITHIN(found.coefficient[3 * t + j], map.coefficient[j], tolerance) << j;
     }
     void expect_dark(const TexelCoefficients& found, TexelState state, float error) const {
         EXPECT_EQ(found.state[0], state);
@@ -85,7 +84,7 @@ TEST_F(BadTexels, APairWithoutLightAndFewPairsSuffice) {
 
 TEST_F(BadTexels, ConstantTexelsAreConstant) {
     const TexelCoefficients found = fit(std::vector<Rgb>(good.size(), {0.1f, 0.2f, 0.3f}));
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found.coefficient[0][c], 0.1f * float(c + 1), 1e-3f);
+    for (int c = 0; c < 3; ++c) EXPECT_WITHIN(found.coefficient[0][c], 0.1f * float(c + 1), 1e-3f);
     for (std::size_t j = 1; j < 3; ++j) EXPECT_LT(found.coefficient[j].r, 1e-2f);
 }
 

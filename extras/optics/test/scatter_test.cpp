@@ -128,7 +128,7 @@ TEST(Zemax, ColoursAreTristimulusValues) {
     EXPECT_EQ(table.masked, 2u);
     const Vec3f wl = to_float(spherical(60 * k_degree, k_pi));
     const Rgb f = value(*measured, wl, mirror(wl)), expected = to_rgb(Xyz{2, 2, 2});
-    for (int c = 0; c < 3; ++c) EXPECT_WITHIN_RELATIVE(f[c], expected[c], 1e-5);
+    EXPECT_RGB_WITHIN_RELATIVE(f, expected, 1e-5, 0);
     EXPECT_WITHIN_RELATIVE(scatter_integral(table, table.slices[1], 1), scatter_integral(table, table.slices[1], 2),
                            1e-9);
     const std::string written = write_zemax(table);

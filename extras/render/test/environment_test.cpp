@@ -59,8 +59,7 @@ void expect_near(const Image& a, const Image& b, double tolerance) {
     ASSERT_EQ(a.width, b.width);
     ASSERT_EQ(a.height, b.height);
     for (std::size_t i = 0; i < a.pixels.size(); ++i)
-        for (int c = 0; c < 3; ++c)
-            ASSERT_WITHIN(double(a.pixels[i][c]), double(b.pixels[i][c]),
+        ASSERT_RGB_WITHIN(a.pixels[i], b.pixels[i],
                           tolerance * (1 + double(std::max({b.pixels[i].r, b.pixels[i].g, b.pixels[i].b}))));
 }
 

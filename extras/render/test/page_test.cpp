@@ -2,7 +2,6 @@
 #include "extras/render/page.h"
 
 #include <fmt/format.h>
-#include <sys/wait.h>
 
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -18,6 +17,7 @@
 #include "models/ggx/ggx_kind.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/su_functions.h"
+#include "script.h"
 #include "srbf/convert.h"
 #include "su_models.h"
 #include "temporary_folder.h"
@@ -398,17 +398,6 @@ double middle_of_highlights(const std::string& rgba, int width) {
     return sum / weight;
 }
 
-/// The status of the script that opens the page, and what it says; it writes result.json and pictures to the folder.
-std::pair<int, std::string> opened_in_browser(const TemporaryFolder& folder) {
-    const std::string script = (std::filesystem::path(SRBF_SOURCE_DIR) / "extras/render/test/page.py").string();
-    const int status =
-        std::system(fmt::format("PYTHONDONTWRITEBYTECODE=1 PYTHONPATH='{}/test' python3 '{}' '{}' '{}' > '{}' 2>&1",
-                                SRBF_SOURCE_DIR, script, (folder / "page.html").string(), folder.path.string(),
-                                (folder / "said").string())
-                        .c_str());
-    return {status, read_text(folder / "said")};
-}
-
 void expect_loaded(const Json& with) {
     EXPECT_EQ(with["problems"], Json::array());
     for (const std::string request : with["requests"])  // a blob is the page's own worker
@@ -506,9 +495,11 @@ TEST(Page, ABrowserDrawsThePictureOfTheDesktop) {
     const Page page = all_kinds();
     const TemporaryFolder folder;
     write_text(folder / "page.html", page_html(page));
-    const auto [status, said] = opened_in_browser(folder);
-    if (WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127)) GTEST_SKIP() << said;
-    ASSERT_EQ(status, 0) << said;
+    // It writes result.json and pictures to the folder.
+    const ScriptRun run =
+        run_script("extras/render/test/page.py", {(folder / "page.html").string(), folder.path.string()});
+    SKIP_IF_UNAVAILABLE(run);
+    ASSERT_EQ(run.status, 0) << run.text;
     const Json result = Json::parse(read_text(folder / "result.json"));
     const Json &with = result["with"], &without = result["without"];
     expect_loaded(with);

@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "command.h"
+#include "script.h"
 
 namespace srbf::report_test {
 namespace {
@@ -74,8 +75,7 @@ std::vector<fs::path> Report::pages;
 
 TEST_F(Report, OneMaterialThatFailsDoesNotStopTheOthers) {
     EXPECT_EQ(first.status, 1);
-    EXPECT_TRUE(first.err.starts_with("srbf: broken.binary: ")) << first.err;
-    EXPECT_EQ(first.err.find('\n'), first.err.size() - 1) << first.err;
+    EXPECT_ONE_LINE(first.err, "srbf: broken.binary: ");
     for (const char* name : {"nickel", "krylon_blue"}) EXPECT_CONTAINS(html, fmt::format("'>{}</a>", name));
     EXPECT_CONTAINS(html, "<b>broken</b>: broken.binary: ");
     EXPECT_CONTAINS(read_text(*folder / "whole" / "materials.csv"), "broken,,broken.binary");
@@ -101,17 +101,12 @@ TEST_F(Report, NeedsNothingButItself) {
 }
 
 TEST_F(Report, IsShownByABrowser) {
-    const std::string script = (fs::path(SRBF_SOURCE_DIR) / "extras/report/test/report_page.py").string();
-    std::string files;
-    for (const fs::path& page : pages) files += fmt::format(" '{}'", page.string());
-    const int status =
-        std::system(fmt::format("PYTHONDONTWRITEBYTECODE=1 PYTHONPATH='{}/test' python3 '{}'{} > '{}' 2>&1",
-                                SRBF_SOURCE_DIR, script, files, (*folder / "said").string())
-                        .c_str());
-    const std::string output = read_text(*folder / "said");
-    if (WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127)) GTEST_SKIP() << output;
-    ASSERT_EQ(status, 0) << output;
-    const auto answers = nlohmann::json::parse(output);
+    std::vector<std::string> files;
+    for (const fs::path& page : pages) files.push_back(page.string());
+    const ScriptRun run = run_script("extras/report/test/report_page.py", files);
+    SKIP_IF_UNAVAILABLE(run);
+    ASSERT_EQ(run.status, 0) << run.text;
+    const auto answers = nlohmann::json::parse(run.text);
     EXPECT_EQ(answers["problems"], nlohmann::json::array());
     for (const std::string request : answers["requests"])
         EXPECT_TRUE(request.starts_with("file:") || request.starts_with("data:")) << request;

@@ -1,0 +1,29 @@
+// Random directions.
+#pragma once
+#include "brdf/directions.h"
+#include "srbf/vec.h"
+
+namespace srbf {
+
+/// A direction uniform on the sphere (for z ≥ z_min).
+inline Vec3d random_direction(std::mt19937_64& random, double z_min = -1) {
+    const double z = z_min + (1 - z_min) * uniform(random), phi = 2 * k_pi * uniform(random);
+    const double r = std::sqrt(std::max(0.0, 1 - z * z));
+    return {r * elementary::cos(phi), r * elementary::sin(phi), z};
+}
+
+/// A random direction. With probability ¼ it is within a degree of the horizon or of the normal.
+inline Vec3f direction_with_extremes(std::mt19937_64& random) {
+    const double pick = uniform(random);
+    if (pick < 0.125) return to_float(spherical(k_pi / 2 - uniform(random) * k_degree, 7 * uniform(random)));
+    if (pick < 0.25) return to_float(spherical(uniform(random) * k_degree, 7 * uniform(random)));
+    return to_float(random_direction(random, 1e-4));
+}
+
+/// ω rotated about the normal.
+inline Vec3f rotate(Vec3f w, double phi) {
+    const double c = std::cos(phi), s = std::sin(phi);
+    return to_float(Vec3d{c * double(w.x) - s * double(w.y), s * double(w.x) + c * double(w.y), double(w.z)});
+}
+
+}  // namespace srbf

@@ -498,7 +498,7 @@ TEST_F(Hostile, NamesInCodeAreDistinct) {
             }
         }
     }
-    EXPECT_GE(succeeded.size(), 7u);
+    EXPECT_GE(succeeded.size(), 5u);  // with all extras 7
     for (const auto& [to, count] : succeeded) EXPECT_GE(count, to.starts_with("three") ? 1 : 4) << to;
     ASSERT_TRUE(save_model(model, folder / "srbf_view.srbf").ok());
     const ProgramRun shared =

@@ -235,8 +235,8 @@ TEST(Lobes, CostOfDroppingIsARiseOfTheLoss) {
     const std::vector<double> cost = cost_of_dropping(problem.gram(), problem.beta());
     for (std::size_t j = 0; j < 3; ++j) {
         Lobes fewer = lobes;
-        fewer.weight.erase(fewer.weight.begin() + std::ptrdiff_t(3 * j),
-                           fewer.weight.begin() + std::ptrdiff_t(3 * j + 3));
+        fewer.parameter.erase(fewer.parameter.begin() + std::ptrdiff_t(3 * j),
+                              fewer.parameter.begin() + std::ptrdiff_t(3 * j + 3));
         const double rise = problem.loss(pack(fewer)) - loss;
         EXPECT_GE(rise, cost[j] * 0.99) << j;  // constraints on the sign can only increase it
         EXPECT_LE(rise, cost[j] * 1.5) << j;
@@ -259,7 +259,7 @@ TEST(Lobes, BestAdditionIsTheBestOfItsCandidates) {
     std::vector<double> losses;
     for (const auto& candidate : candidates) {
         Lobes more = lobes;
-        more.weight.insert(more.weight.end(), candidate.begin(), candidate.end());
+        more.parameter.insert(more.parameter.end(), candidate.begin(), candidate.end());
         losses.push_back(problem.loss(pack(more)));
     }
     const auto chosen = std::find(candidates.begin(), candidates.end(), best) - candidates.begin();

@@ -1,5 +1,8 @@
-"""The exported page and the page of build/site, before and after a click on a ready material, at the widths of a phone, a tablet and a screen,
-by the rules of axe (WCAG 2 A and AA): names, roles, contrast of text. Axe comes with a package of PyPI."""
+"""Checks pages by the rules of axe (WCAG 2 A and AA), which are about names, roles and the contrast of text.
+
+The pages are the exported page and the page of build/site, each before and after a click on a ready material, at the widths of a phone,
+a tablet and a screen. Axe comes with a package of PyPI.
+"""
 # needs: site
 import importlib.util
 import subprocess
@@ -11,7 +14,7 @@ from support.chromium import WEBGL, Chromium, program
 
 SIZES = [(360, 740), (768, 1024), (1440, 900)]
 LEAST_CONTRAST = 4.5
-# The contrast of texts in charts with the page, since axe does not determine their background.
+# Computes the contrast between the texts of charts and the page, since axe does not determine their background.
 CHARTS = """(() => {
     const channels = (colour) => colour.match(/[\\d.]+/g).map(Number);
     const luminance = (rgb) => rgb.slice(0, 3).map((c) => (c /= 255) <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)
@@ -33,13 +36,13 @@ RULES = "{ runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa'] }"
 
 
 def axe():
-    """The script of axe, or None without the package. The package's browser is not needed."""
+    """Returns the script of axe, or None without its package. The browser of the package is not needed."""
     found = importlib.util.find_spec("axe_playwright_python")
     return found and (Path(found.submodule_search_locations[0]) / "axe.min.js").read_text()
 
 
 def violations(chromium):
-    """Violations, as rule, severity and elements, and the number of elements that rules could not judge."""
+    """Returns violations (rule, severity, elements), the number of rules that hold, and the rules that could not judge some elements."""
     found = chromium.run(f"axe.run({RULES}).then((r) => ({{passes: r.passes.length, open: r.incomplete.map((v) => [v.id, v.nodes.length]), "
                          "wrong: r.violations.map((v) => [v.id, v.impact, v.nodes.map((n) => n.html.slice(0, 120))])}))")
     return found["wrong"], found["passes"], found["open"]

@@ -1,12 +1,20 @@
 #!/usr/bin/env python3
-"""Materials of nodes in Blender's Cycles: packages bpy, openexr and pillow of PyPI, in a Python of bpy's version. It is skipped without bpy.
+"""Checks materials of nodes in Blender's Cycles.
 
-Makes the materials of measurements by the script that `srbf export --to blender` writes, and draws a sphere with Cycles. Under a distant
-lamp it agrees with the formula of the sum of closures, of the tables in the script. Under environments and round lamps it is compared with
-the measurement, and is nearer to it than Principled's parameters. In a furnace nothing is brighter than FURNACE_WITHIN. With a normal map it agrees
-with the formula too, and so do those of film.blend and library.blend, and one of two that were saved in a .blend file, where both are
-assets with previews. The shader that `--to osl` writes agrees with its formula and is no farther from the measurement than the nodes,
-within the noise of paths. Usage: blender.py PROGRAM DATA [PICTURE], with rgl/ in DATA. SRBF_ENVIRONMENTS: environments to try beside the bundled one, separated by colons.
+The script that `srbf export --to blender` writes makes the materials of measurements, and Cycles draws a sphere of each. The script's tables
+hold closures, and "the formula" is the sum of these closures. Checks:
+  - Under a distant lamp, the picture agrees with the formula.
+  - Under environments and round lamps, the picture is nearer to that of the measurement than a picture by Principled's parameters.
+  - In a furnace, no pixel is brighter than FURNACE_WITHIN.
+  - With a normal map, the picture agrees with the formula.
+  - The materials of film.blend and library.blend agree with the formula.
+  - A .blend file with two materials has both as assets with previews, and the picture of one of them agrees with the formula.
+  - The shader that `--to osl` writes agrees with its formula.
+  - Within the noise of paths, that shader is no farther from the measurement than the nodes.
+
+Usage: blender.py PROGRAM DATA [PICTURE], where DATA contains rgl/. The environment variable SRBF_ENVIRONMENTS names environments that are tried
+beside the bundled one, separated by colons. The test needs the packages bpy, openexr and pillow of PyPI, in a Python of bpy's version.
+It is skipped without bpy.
 """
 import importlib.util
 import math
@@ -70,7 +78,7 @@ SUB = 3  # points of a pixel along a side
 
 
 def table_of(path):
-    """The terms, and the rows of texels, of a script or a shader."""
+    """Returns the terms and the rows of texels of a script or a shader."""
     text = Path(path).read_text(encoding="utf-8")
     if path.endswith(".osl"):
         columns, terms = map(int, re.search(r"\(tables, (\d+), (\d+)", text).groups())
@@ -83,7 +91,7 @@ def table_of(path):
 
 
 def reflected(terms, table, normal, viewer, light):
-    """f cosθl of a sum of closures, in the terms of extras/blender/closures.h; vectors [n, 3]."""
+    """Returns f cosθl of a sum of closures, whose terms extras/blender/closures.h defines. Vectors have the shape [n, 3]."""
     dot = lambda a, b: (a * b).sum(-1)
     unit = lambda a: a / np.linalg.norm(a, axis=-1, keepdims=True)
     nv, nl = dot(normal, viewer), dot(normal, light)
@@ -113,7 +121,7 @@ def reflected(terms, table, normal, viewer, light):
 
 
 def formula(script, mapped=None):
-    """The picture of the tables under the lamp, with normals of the sphere or of a map."""
+    """Returns the picture that the tables give under the lamp, with normals of the sphere or of a map."""
     a = (np.arange(SIZE * SUB) + 0.5) / (SIZE * SUB) * 2 - 1
     x, z = np.meshgrid(a, -a)
     forward, up = np.array([0, math.cos(ELEVATION), -math.sin(ELEVATION)]), np.array([0, math.sin(ELEVATION), math.cos(ELEVATION)])

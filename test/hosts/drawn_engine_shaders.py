@@ -1,6 +1,10 @@
 #!/usr/bin/env python3
-"""The shaders for Unity and Godot 4, with mocks of the engines' names, run in OpenGL: under a directional light a sphere of the
-film is that of the model, within a mean ΔE_ITP of 1, and under light from everywhere it reflects its albedo. The engines themselves are not run.
+"""Runs the shaders for Unity and Godot 4 in OpenGL, with stand-ins for the engines' names. The engines themselves are not run.
+
+Checks:
+  - Under a directional light, the picture of a sphere of the film differs from that of the model by a mean ΔE_ITP of at most 1.
+  - Under light from everywhere, the sphere reflects its albedo.
+
 Usage: drawn_engine_shaders.py PROGRAM.
 """
 import importlib.util
@@ -29,7 +33,7 @@ void main() {
     SET
 }
 """
-# The third and fourth interpolated values of Unity's shader are for fog and shadows. Godot's all have names.
+# The third and fourth interpolated values of Unity's shader are for fog and shadows. In Godot's shader all values have names.
 UNITY = ("layout(location = 0) out vec3 a; layout(location = 1) out vec3 b; layout(location = 2) out float c; layout(location = 3) out vec4 d;",
          "a = position; b = normal; c = 1.0; d = vec4(1.0);")
 GODOT = ("out vec3 NORMAL, VIEW, LIGHT, LIGHT_COLOR;",
@@ -48,7 +52,7 @@ class Sphere:
         self.vertices = self.gl.buffer(np.hstack([at, normal, normal]).astype("f4").tobytes())
 
     def drawn(self, outputs, fragment, prepare=lambda gl, shader: None):
-        """The outputs of the shader at the pixels: two arrays [n, 3]."""
+        """Returns the outputs of the shader at the pixels, two arrays [n, 3]."""
         vertex = VERTEX.replace("NAMES", outputs[0]).replace("SET", outputs[1])
         shader = self.gl.program(vertex_shader=vertex, fragment_shader=fragment)
         targets = [self.gl.texture((lit_sphere.SIZE, lit_sphere.SIZE), 4, dtype="f4") for _ in range(2)]

@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
-"""The programs of examples/hosts: each draws a sphere of the bundled materials under a directional light by exported code or a model, and its
-picture is that of the model itself, within a mean ΔE_ITP of 1. Each host is skipped where it is not installed; the last line counts those that ran.
-Usage: example_hosts.py PROGRAM DATA [PICTURES [NAME..]], with peers/ beside DATA, a folder for pictures, and some hosts.
+"""Runs the programs of examples/hosts.
+
+Each program draws spheres of the bundled materials under a directional light, by exported code or by a model. The picture must differ from
+that of the model itself by a mean ΔE_ITP of at most 1. A host that is not installed is skipped. The last line counts the hosts that ran.
+Usage: example_hosts.py PROGRAM DATA [PICTURES [NAME..]]. The folder peers/ stands beside DATA, PICTURES is a folder for the pictures, and
+NAME restricts the test to some hosts.
 """
 import importlib.util
 import re
@@ -40,13 +43,13 @@ CHUNK
 
 
 def package_folder(name):
-    """The folder of a Python package, or None if it is not installed."""
+    """Returns the folder of a Python package, or None if it is not installed."""
     found = importlib.util.find_spec(name)
     return found and Path(found.submodule_search_locations[0])
 
 
 def draw_by_page(flags, files):
-    """Draws by the page of an example, with these files of the host beside it by name and text, in Chromium."""
+    """Draws with the page of an example in Chromium. Beside the page stand these files of the host, given by name and text."""
     def draw(example, code, picture):
         folder = Path(picture).parent
         shutil.copy(example / "index.html", folder)
@@ -58,14 +61,15 @@ def draw_by_page(flags, files):
 
 
 def draw_by_script(example, code, picture, *more):
-    """Draws by the script of an example."""
+    """Draws with the script of an example."""
     done = subprocess.run([sys.executable, example / "sphere.py", code, picture, *more], capture_output=True, text=True, timeout=600)
     if done.returncode:
         raise RuntimeError(done.stdout[-2000:] + done.stderr[-2000:])
 
 
 def draw_by_slang(example, code, picture):
-    """Draws, and compares derivatives by the direction to the light, along the sphere of directions, with differences of `srbf eval`."""
+    """Draws, and compares derivatives with respect to the direction to the light, along the sphere of directions, with differences of
+    values by `srbf eval`."""
     folder = Path(picture).parent
     draw_by_script(example, code, picture, "cpu", folder / "slopes.npy")
     directions, step = lit_sphere.pairs(), 1e-3
@@ -79,7 +83,7 @@ def draw_by_slang(example, code, picture):
     difference = np.median(np.abs(slopes - (up - down) / (2 * np.sin(step))) / (np.abs(slopes) + 1e-3))
     if not difference < 1e-3:
         raise RuntimeError(f"slang: derivatives differ from slopes by {difference:.1e} in the median")
-    print(f"     slang: derivatives differ from slopes by {difference:.1e} in the median")
+    print(f"     slang: derivatives differ from finite differences by {difference:.1e} in the median")
 
 
 def draw_by_c(example, code, picture):
@@ -91,7 +95,7 @@ def draw_by_c(example, code, picture):
 
 
 def draw_by_filament(example, code, picture):
-    """Compiles the material and the program of an example, and draws in a display of its own."""
+    """Compiles the material and the program of an example, and draws in a separate display."""
     folder = Path(picture).parent
     (folder / "measured.mat").write_text((example / "measured.mat").read_text(encoding="utf-8").replace("CODE", code.read_text(encoding="utf-8")))
     libraries = [f"-lfilament{part}" for part in ("", "_geometry", "_utils", "_backend")]
@@ -105,7 +109,7 @@ def draw_by_filament(example, code, picture):
 
 
 def three_files(files):
-    """Files of three.js by name, from a folder in peers/ beside the measurements, or None if one is missing."""
+    """Returns files of three.js by name from a folder in peers/, which stands beside the measurements. Returns None if a file is missing."""
     for folder in data.parent.glob("peers/*"):
         paths = [folder / f"three.{file}.js" for file in files]
         if all(path.exists() for path in paths):
@@ -114,7 +118,7 @@ def three_files(files):
 
 
 def babylon_script():
-    """The script Babylon.js, which a module of pybabylonjs contains, or None without the package."""
+    """Returns the script of Babylon.js, which a module of pybabylonjs contains, or None without the package."""
     folder = package_folder("pybabylonjs") or Path(__file__)
     text = "".join(path.read_text(encoding="utf-8") + ";\n" for path in folder.glob("labextension/static/*.js") if path.stat().st_size > 2e5)
     whole = re.search(r"(\d+):\(\w,(\w),\w\)=>\{\"use strict\";\w\.r\(\2\),\w\.d\(\2,\{AbstractActionManager:", text)

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Surfaces in the shader that MaterialX generates: packages materialx and numpy of PyPI, in this Python, and Chromium, which runs it.
+"""Checks surfaces in the shader that MaterialX generates.
 
-Fits a surface to measurements, writes it as MaterialX, and draws a sphere by the generated GLSL (ES 3.00) under three distant lights,
-one at a time. Its error against the measurement is within 30 % of that by `srbf eval`, or at most LARGEST_RATIOS times that.
-Usage: materialx_glsl.py PROGRAM DATA, with rgl/ in DATA.
+The test fits a surface to measurements, writes it as MaterialX, and draws a sphere by the generated GLSL (ES 3.00) under three distant
+lights, one at a time. The error of this picture against the measurement is at most 30 % larger than the error of the picture by
+`srbf eval`. For a material in LARGEST_RATIOS it is at most that many times as large.
+Usage: materialx_glsl.py PROGRAM DATA, where DATA contains rgl/. The test needs the packages materialx and numpy of PyPI in this Python,
+and Chromium, which runs the shader.
 """
 import base64
 import json
@@ -28,7 +30,7 @@ VARYINGS = "in vec3 normalWorld;\nin vec3 tangentWorld;\nin vec3 positionWorld;\
 
 
 def generated(path):
-    """The pixel shader of a document's material and its uniforms."""
+    """Returns the pixel shader of a document's material and its uniforms."""
     library, document, search = mx.createDocument(), mx.createDocument(), mx.getDefaultDataSearchPath()
     mx.loadLibraries(mx.getDefaultDataLibraryFolders(), search, library)
     mx.readFromXmlFile(document, path)
@@ -58,7 +60,7 @@ def generated(path):
 
 
 def drawn(page, source, uniforms):
-    """The reflected radiance [lights, SIZE, SIZE, 3] of a sphere seen from far away, by lights of irradiance 1."""
+    """Returns the reflected radiance [lights, SIZE, SIZE, 3] of a sphere seen from far away, for lights of irradiance 1."""
     assert VARYINGS in source
     source = source.replace(VARYINGS, "vec3 normalWorld, tangentWorld, positionWorld;\n" + UNDECLARED).replace("void main()", "void surface_main()")
     source += f"""
@@ -137,7 +139,7 @@ def evaluated(subject, folder):
 
 
 def mean_error(a, b):
-    """ΔE_ITP of pixels on the sphere, a mean over the lights."""
+    """Returns the ΔE_ITP of pixels on the sphere, as a mean over the lights."""
     at = 2 * (np.arange(SIZE) + 0.5) / SIZE - 1
     inside = np.hypot(*np.meshgrid(at, at)) < 0.98
     return np.mean([delta_e(p[inside], q[inside]) for p, q in zip(a, b)])

@@ -1,11 +1,15 @@
 #!/usr/bin/env python3
-"""The plugin of examples/mitsuba: built for the Mitsuba of this Python (packages mitsuba, nanobind and numpy of PyPI) and the library of PROGRAM's
-build as it is installed, and run in scalar_rgb. It is skipped without the packages.
+"""Checks the plugin of examples/mitsuba in the variant scalar_rgb.
 
-Its picture of a sphere under a directional light is that of the model, and of a measurement that of Mitsuba's `measured`; values are those of
-`srbf eval`; samples have the density and the weights that the other functions say, on both sides of a BSDF too, and follow the brushing of an
-anisotropic surface; what it refuses, it refuses in one line.
-Usage: mitsuba_plugin.py PROGRAM.
+The plugin is built with the installed library of PROGRAM's build, for the Mitsuba of this Python. Checks:
+  - The picture of a sphere under a directional light is that of the model.
+  - The picture of a measurement is that of Mitsuba's `measured`.
+  - Values are those of `srbf eval`.
+  - Samples have the density and the weights that the other functions return, on both sides of a BSDF, too.
+  - Samples follow the brushing of an anisotropic surface.
+  - An input that the plugin refuses gives a message of one line.
+
+Usage: mitsuba_plugin.py PROGRAM. The test needs the packages mitsuba, nanobind and numpy of PyPI, and is skipped without them.
 """
 # needs: numpy1
 import importlib.util
@@ -73,7 +77,7 @@ def interaction(wi):
 
 
 def integrals(bsdf, at):
-    """Integrals of density and value (green) over cells of the sphere, by midpoints of smaller cells."""
+    """Returns the integrals of density and value (green) over cells of the sphere, by the midpoints of smaller cells."""
     z = (np.arange(CELLS[0] * FINER) + 0.5) / (CELLS[0] * FINER) * 2 - 1
     phi = (np.arange(CELLS[1] * FINER) + 0.5) / (CELLS[1] * FINER) * 2 * np.pi
     both = [bsdf.eval_pdf(mi.BSDFContext(), at, mi.Vector3f(*wo)) for wo in directions(*np.meshgrid(z, phi, indexing="ij")).reshape(-1, 3).tolist()]
@@ -87,14 +91,14 @@ def uniform_numbers(count):
 
 
 def relative_variance(bsdf, z):
-    """The mean weight of samples over azimuths of the viewer."""
+    """Returns the mean weight of samples over azimuths of the viewer."""
     views = [interaction(directions(np.array(z), np.array(phi))) for phi in np.arange(8) * np.pi / 4]
     weights = np.array([[bsdf.sample(mi.BSDFContext(), at, a, mi.Point2f(b, c))[1][1] for a, b, c in uniform_numbers(4000)] for at in views])
     return float((weights.var(1) / weights.mean(1)**2).mean())
 
 
 def brushed_samples(folder):
-    """Samples of an anisotropic surface."""
+    """Checks samples of an anisotropic surface."""
     file = Path(folder) / "brushed.csv"
     run(program, "convert", ROOT / "test/models/1/openpbr_brushed.srbf", "-o", file)
     return file
@@ -128,7 +132,7 @@ def check_samples(name, bsdf, wi):
 
 
 def seen_in_white(bsdf, wi):
-    """The path-traced radiance (green) of a flat surface in white surroundings: its albedo for this viewer, with beams."""
+    """Returns the path-traced radiance (green) of a flat surface in white surroundings, which is its albedo for this viewer, with beams."""
     return np.array(mi.render(mi.load_dict({
         "type": "scene", "integrator": {"type": "path", "max_depth": 3}, "sky": {"type": "constant", "radiance": {"type": "rgb", "value": 1}},
         "surface": {"type": "rectangle", "to_world": mi.ScalarTransform4f().scale(100), "bsdf": bsdf},

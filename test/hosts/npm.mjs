@@ -1,4 +1,5 @@
-// node npm.mjs [PROGRAM]: the package of build/npm fits what the program fits and has its errors; broken files do not stop it.
+// node npm.mjs [PROGRAM]: checks that the package of build/npm fits what the program fits and reports its errors, and that broken files do not
+// stop it.
 // needs: site
 import assert from "node:assert";
 import { execFileSync } from "node:child_process";
@@ -35,7 +36,7 @@ await assert.rejects(fit(bytes, { name, lobes: 0 }), /options: lobes: expected 1
 await assert.rejects(fit(bytes, { name, progress: () => false }), /cancelled/);
 await assert.rejects(open(bytes.subarray(0, 1000), name), /^Error: paper_white_rgb.bsdf: /);
 
-// The corpus of the fuzzers, whole and cut: an error of one line, or a BRDF with values; never a trap.
+// Each file of the corpus of the fuzzers, whole or cut, gives an error of one line or a BRDF with values, and never a trap.
 let read = 0, refused = 0;
 for (const kind of readdirSync(path.join(root, "fuzz/corpus"))) {
   if (kind === "command_line") continue;

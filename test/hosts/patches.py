@@ -1,4 +1,4 @@
-"""The patches of paper/ apply to the sources."""
+"""Checks that the patches of paper/ apply to the sources."""
 import subprocess
 
 from support.checks import ROOT, expect, finish

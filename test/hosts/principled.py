@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Surfaces in Blender's Cycles: packages bpy, openexr and pillow of PyPI, in a Python of bpy's version. It is skipped without bpy.
+"""Checks surfaces in Blender's Cycles.
 
-Fits a surface to measurements, makes Blender's material by the script that `srbf export` writes, and draws a sphere under one
-environment with Cycles, beside the measurement and the surface that `srbf render` draws. The error of Cycles against the measurement
-is within 30 % of the surface's, or, where Cycles has a formula of its own, at most LARGEST_RATIOS times that.
-Usage: principled.py PROGRAM DATA [PICTURE], with rgl/ in DATA.
+The test fits a surface to measurements and makes Blender's material by the script that `srbf export` writes. Cycles draws a sphere of it
+under one environment, and `srbf render` draws the measurement and the surface. The error of Cycles' picture against the measurement is
+at most 30 % larger than the error of the surface. Where Cycles uses another formula, it is at most LARGEST_RATIOS times as large.
+Usage: principled.py PROGRAM DATA [PICTURE], where DATA contains rgl/. The test needs the packages bpy, openexr and pillow of PyPI, in a
+Python of bpy's version. It is skipped without bpy.
 """
 import importlib.util
 import tempfile

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""BSDF XML against Radiance and WINDOW's parser: packages pyradiance, pywincalc and numpy of PyPI, in this Python.
+"""Compares our reading of BSDF XML with Radiance and with WINDOW's parser.
 
-Directions: z of Radiance is the back of WINDOW, which is -z here; y is up in both.
-Usage: radiance.py PROGRAM DATA, with klems/ and tensor/ in DATA.
+The z axis of Radiance points to WINDOW's back, which is -z in our frame. The y axis points up in both programs.
+Usage: radiance.py PROGRAM DATA, where DATA contains klems/ and tensor/. The test needs the packages pyradiance, pywincalc and numpy of PyPI
+in this Python.
 """
 import os
 import subprocess

@@ -1,5 +1,8 @@
-"""The ready files of the bundled film are what the program writes; `./run test hosts ready --write` writes them anew. Texts
-must be equal; numbers that are fitted to values of a renderer's arithmetic may differ in their last digits."""
+"""Checks that the ready files of the bundled film are what the program writes.
+
+`./run test hosts ready --write` writes them anew. Texts must be equal. Numbers that are fitted to values of a renderer's arithmetic may
+differ in their last digits.
+"""
 import base64
 import math
 import re

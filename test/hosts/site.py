@@ -1,6 +1,12 @@
-"""The page of build/site in a browser, from the disk as a user has it: each kind of measurement is opened, fitted and saved, and what
-is saved is compared byte by byte with the program's files. Damaged files are refused with the program's words. The page in one file of
-data/ready fits as the program does; `./run test hosts site --write` puts the one of build/ there."""
+"""Checks the page of build/site in a browser, which opens it from the disk as a user does.
+
+Checks:
+  - Each kind of measurement is opened, fitted and saved, and the saved files have the bytes of the program's files.
+  - Damaged files are refused with the program's words.
+  - The page in one file, data/ready/srbf.html, fits as the program does.
+
+`./run test hosts site --write` replaces the page in data/ready by that of build/.
+"""
 # needs: site
 import hashlib
 import math
@@ -67,16 +73,16 @@ class Page:
         return state, PATIENCE
 
     def longest_task(self):
-        """The longest task since the last call [ms]."""
+        """Returns the length of the longest task since the last call [ms]."""
         return self.chromium.run("Math.max(0, ...tasks.splice(0))")
 
     def model(self):
-        """The bytes of the model's file."""
+        """Returns the bytes of the model's file."""
         content = "async (content) => [...new Uint8Array(await content.arrayBuffer())]"
         return bytes(self.chromium.run(f"app.save_as('srbf', '').then({content})"))
 
     def saved(self, what, name):
-        """The hash of the file that the page would save, or its error."""
+        """Returns the hash of the file that the page would save, or the error."""
         return self.chromium.run(f"""app.save_as({what!r}, {name!r}).then(async (content) => {{
             const digest = await crypto.subtle.digest("SHA-256", await content.arrayBuffer());
             return [...new Uint8Array(digest)].map((x) => x.toString(16).padStart(2, "0")).join("");
@@ -91,10 +97,10 @@ def compare_file(page, file, folder):
     """Opens, fits and saves a file on the page and by the program. What they save must be equal."""
     page.drop(file)
     page.wait(file.name, lambda state: state["failure"] or state["working"])
-    _, seen = page.wait(file.name, lambda state: state["failure"] or state["verdict"])  # of a first draft, or of both sides the last
+    _, seen = page.wait(file.name, lambda state: state["failure"] or state["verdict"])  # the verdict on a first draft or, for both sides, on the last fit
     state, seconds = page.wait(file.name, lambda state: state["failure"] or state["name"] == file.name)
     longest = page.longest_task()
-    print(f"  {file.name}: a fit after {seen:.1f} s, the last after {seen + seconds:.1f} s, {state['memory'] / 2**20:.0f} MB, at most {longest} ms without an answer: "
+    print(f"  {file.name}: the first fit is shown after {seen:.1f} s and the last after {seen + seconds:.1f} s, {state['memory'] / 2**20:.0f} MB, at most {longest} ms without an answer: "
           f"{state['failure'] or state['verdict']}")
     check(longest <= LONGEST_TASK, f"{file.name}: the page does not answer for {longest} ms")
     check(not state["failure"], f"{file.name} is refused: {state['failure']}")
@@ -121,7 +127,8 @@ def compare_file(page, file, folder):
 
 
 def check_blender_script(page, subject, folder):
-    """Checks that the script for Blender is what the program writes of this subject; fitted numbers, which are of the order of 1, differ little."""
+    """Checks that the script for Blender is what the program writes for this subject. Fitted numbers are of the order of 1, and may differ
+    a little."""
     begun = time.time()
     ours = page.chromium.run("app.save_as('blender', '').then((content) => content.text())")
     seconds, path = time.time() - begun, folder / "program.py"
@@ -131,7 +138,7 @@ def check_blender_script(page, subject, folder):
     numbers = [[float(number) for number in NUMBER.findall(text)] for text in texts]
     same = NUMBER.sub("#", texts[0]) == NUMBER.sub("#", texts[1]) and all(math.isclose(a, b, abs_tol=0.01) for a, b in zip(*numbers))
     check(same, f"the script for Blender is not that of {subject.name}")
-    print(f"  {subject.name}: a script for Blender after {seconds:.1f} s, {'byte by byte' if texts[0] == texts[1] else 'nearly'} that of the program")
+    print(f"  {subject.name}: the script for Blender is written after {seconds:.1f} s, {'with the bytes' if texts[0] == texts[1] else 'nearly with the bytes'} of the program's")
 
 
 def check_one_screen(page, material, others=""):
@@ -152,7 +159,7 @@ def check_gallery(page, folder):
     begun = time.time()
     page.wait(name, lambda state: state["name"] == name)
     chromium.run("viewer.settled()")
-    print(f"  {name}: the picture of a model after {time.time() - begun:.1f} s")
+    print(f"  {name}: the picture of the model is shown after {time.time() - begun:.1f} s")
     check(page.model() == (ROOT / "data/gallery" / name).read_bytes(), f"{name} is not saved as it was opened")
     shown = chromium.run("[...document.querySelectorAll('figure:not([hidden])')].map((figure) => figure.dataset.material).join()")
     check(shown == "1", f"{name}: pictures {shown}")
@@ -173,7 +180,7 @@ def check_gallery(page, folder):
     check(chromium.run("document.getElementById('state').getBoundingClientRect().top < innerHeight / 2"), "a second click on a ball shows nothing")
     chromium.click("#gallery li:first-child a")
     page.wait("the film's ball", lambda state: state["name"] == models[0] + ".srbf")
-    check_blender_script(page, ROOT / "data/cc_ibiza_sunset_rgb.bsdf", folder)  # not of its model, as the page has the measurement
+    check_blender_script(page, ROOT / "data/cc_ibiza_sunset_rgb.bsdf", folder)  # from the measurement and not from its model, since the page has the measurement
 
 
 def click_ball(page, ball):
@@ -190,7 +197,7 @@ def set_control(page, name, value):
 
 
 def pixels(page, material):
-    """The brightness of pixels in the middle of a picture, and whether all were drawn."""
+    """Returns the brightness of pixels in the middle of a picture, and whether all of them were drawn."""
     return page.chromium.run(f"""(() => {{ const numbers = [], copy = Object.assign(document.createElement("canvas"), {{ width: 80, height: 60 }}).getContext("2d");
         copy.drawImage(document.querySelector("figure[data-material='{material}'] canvas"), 0, 0, 80, 60);
         const bytes = copy.getImageData(25, 15, 30, 30).data;
@@ -254,7 +261,7 @@ def check_damaged_files(page, folder):
         check(name == "cut.hdr" or state["failure"] == message, f"{name}: the page says {state['failure']!r}, not {message!r}")
         check(chromium.run(WORK) == work, f"{name}: it takes away what was there")
         check("\n" not in state["failure"] and len(state["failure"]) < 500, f"{name}: not one line")
-    print(f"  {len(contents)} damaged files have a line each, such as: {state['failure']}")
+    print(f"  {len(contents)} damaged files are refused in one line each, such as: {state['failure']}")
 
 
 def check_cancelled_fit(page):
@@ -264,7 +271,7 @@ def check_cancelled_fit(page):
     page.chromium.click("#cancel")
     _, seconds = page.wait("cancelled", lambda state: state["verdict"].startswith("Cancelled") and not state["working"])
     check(seconds <= CANCELLED_WITHIN, f"cancelled after {seconds:.2f} s")
-    print(f"  cancelled within {seconds:.2f} s")
+    print(f"  the fit is cancelled within {seconds:.2f} s")
 
 
 def check_cancelled_save(page):
@@ -285,7 +292,7 @@ def check_cancelled_save(page):
     chromium.run("document.querySelector('#editing [type=reset]').click()")
     page.wait("the ball as it was", lambda state: chromium.run("app.state().edited === null && app.state().busy === 0"))
     check(not heading().startswith("Edited"), f"the ball has the name {heading()!r} after a reset")
-    print("  a save is cancelled")
+    print("  a save is cancelled, and the edited model remains")
 
 
 def check_replaced_file(page):
@@ -354,12 +361,12 @@ with tempfile.TemporaryDirectory() as name:
 close_page(page)
 page = Page(ROOT / "build/site/index.html")
 there = page.chromium.run("Math.round(performance.timing.loadEventEnd - performance.timing.navigationStart)")
-print(f"  the page is there after {there} ms")
+print(f"  the page is shown after {there} ms")
 with tempfile.TemporaryDirectory() as name:
     for file in (film, film.with_suffix(".csv")):
         compare_file(page, file, Path(name))
         time.sleep(1)
-        page.longest_task()  # to look at what is saved takes longer than to save it
+        page.longest_task()  # checking a saved file takes longer than saving it
     check_edits(page, Path(name))
     check_gallery(page, Path(name))
     check_damaged_files(page, Path(name))

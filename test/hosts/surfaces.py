@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Files of surfaces in MaterialX and USD: packages materialx and usd-core of PyPI, in this Python.
+"""Checks files of surfaces in MaterialX and USD.
 
-Fits a surface to a measurement and writes it for each program. The validators of MaterialX and USD accept the files.
-Usage: surfaces.py PROGRAM DATA, with rgl/ in DATA.
+The test fits a surface to a measurement and writes it for each program. The validators of MaterialX and USD must accept the files.
+Usage: surfaces.py PROGRAM DATA, where DATA contains rgl/. The test needs the packages materialx and usd-core of PyPI in this Python.
 """
 import tempfile
 

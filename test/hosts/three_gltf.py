@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Surfaces as glTF in three.js: numpy, openexr and nicegui (which has three.js with its GLTFLoader) of PyPI, in this Python, and Chromium.
-It is skipped without nicegui's files.
+"""Checks surfaces as glTF in three.js.
 
-Fits a surface to measurements, writes it as binary glTF, and draws a sphere by three.js (MeshPhysicalMaterial): under three distant
-lights, and in an environment that it filters beforehand, beside the measurement and the surface that `srbf render` draws. The error
-of three.js against the measurement is within 30 % of the surface's, or, by formulas of three.js' own, at most LARGEST_RATIOS times that.
-Usage: three_gltf.py PROGRAM DATA [PICTURE], with rgl/ in DATA.
+The test fits a surface to measurements and writes it as binary glTF. three.js (MeshPhysicalMaterial) draws a sphere of it under three
+distant lights, and in an environment that three.js filters beforehand; `srbf render` draws the measurement and the surface. The error of
+three.js against the measurement is at most 30 % larger than the error of the surface. Where three.js uses another formula, it is at most
+LARGEST_RATIOS times as large.
+Usage: three_gltf.py PROGRAM DATA [PICTURE], where DATA contains rgl/. The test needs Chromium, and the packages numpy, openexr and nicegui of
+PyPI in this Python. nicegui contains three.js with its GLTFLoader; without its files the test is skipped.
 """
 import base64
 import importlib.util
@@ -27,7 +28,7 @@ if found is None or chromium() is None or importlib.util.find_spec("OpenEXR") is
     skip("no three.js of nicegui, no Chromium or no OpenEXR")
 
 _, data, further = arguments()
-# By formulas of three.js' own, which docs/surface.md names, and by its blurred map of the environment: the page's figures, and 15 % more.
+# three.js uses other formulas, which docs/surface.md names, and a blurred map of the environment. These are the page's figures and 15 % more.
 RATIOS = {"lights": (1.8, 1.4, 3.7, 2.0, 1.4), "environment": (2.6, 5.1, 18.5, 15, 3.7)}
 LARGEST_RATIOS = {kind: dict(zip(MATERIALS, ratios)) for kind, ratios in RATIOS.items()}
 THREE = ("--env", "none", "--lights", "three")

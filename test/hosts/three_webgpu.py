@@ -1,11 +1,18 @@
 #!/usr/bin/env python3
-"""The two materials of three.js: WebGLRenderer's (release 187) and WebGPURenderer's (185), whose files are in peers/ beside the measurements, in
-Chromium; numpy and openexr of PyPI. It is skipped without one of them.
+"""Checks the two materials for three.js in Chromium: that for WebGLRenderer (release 187) and that for WebGPURenderer (release 185).
 
-Under four lamps and an ambient light both draw the same picture of the film and the paper, under a rectangular one nearly the same, and under
-three environments each is compared with path-traced ones, in means of 4 x 4 pixels. The WebGPURenderer's draws nearly the same of a cube texture of the studio, and of the map
-that three makes of it. A second material on the page is another one, and one that is saved and loaded the same. The time of frames of 256 x 256
-pixels is printed: that of processors, which other programs hardly change. Usage: three_webgpu.py PROGRAM DATA, with peers/ beside DATA.
+Both draw spheres of the film and the paper. Checks:
+  - Under four lamps, and under an ambient light, both renderers draw the same picture.
+  - Under a rectangular light, both draw nearly the same picture.
+  - Under three environments, each picture agrees with a path-traced picture, in means of 4 x 4 pixels.
+  - With WebGPURenderer, a cube texture of the studio, and the filtered map that three.js makes of the studio, give nearly the same picture as
+    the studio itself.
+  - A second material on the page is independent of the first.
+  - A material that is saved and loaded draws the same picture.
+
+The test prints the processor time of frames of 256 x 256 pixels, which other programs on the machine hardly change.
+Usage: three_webgpu.py PROGRAM DATA, with the files of three.js in peers/ beside DATA. The test needs the packages numpy and openexr of PyPI.
+It is skipped if one of these is missing.
 """
 import importlib.util
 import json
@@ -80,7 +87,7 @@ _, data, _ = arguments()
 
 
 def folder_of(files):
-    """The folder in peers/ with these files of three.js, or None."""
+    """Returns the folder in peers/ that has these files of three.js, or None."""
     folders = data.parent.glob("peers/*")
     return next((folder for folder in folders if all((folder / f"three.{file}.js").exists() for file in files)), None)
 
@@ -93,7 +100,7 @@ whole = coarse(inside)[..., 0] == 1
 
 
 def words_of(process):
-    """The command line of a process, empty if it has ended."""
+    """Returns the command line of a process, which is empty if the process has ended."""
     try:
         return (process / "cmdline").read_bytes()
     except OSError:
@@ -101,14 +108,14 @@ def words_of(process):
 
 
 def spent(browser):
-    """Processor time of the browser's graphics process [ms]."""
+    """Returns the processor time of the browser's graphics process [ms]."""
     graphics, = (process for process in Path("/proc").glob("[0-9]*") if b"--type=gpu-process" in (words := words_of(process))
                  and browser.profile.name.encode() in words)
     return sum(int(path.read_text().split()[0]) for path in graphics.glob("task/*/schedstat")) / 1e6
 
 
 def milliseconds(browser, material, light):
-    """The least time of four frames."""
+    """Returns the least time of four frames."""
     times = []
     for _ in range(4):
         start = spent(browser)

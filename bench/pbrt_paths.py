@@ -1,14 +1,15 @@
-"""pbrt_paths.py PBRT SRBF FILE: compares agreement, times and noise of paths in pbrt-v4 with the material of examples/pbrt and with pbrt's materials.
+"""pbrt_paths.py PBRT SRBF FILE: compares agreement, times and noise of paths in pbrt-v4 with the material of examples/pbrt and with pbrt's
+materials.
 
 PBRT is a pbrt that has the material, SRBF the program `srbf`, FILE a measurement, for example an RGL file.
 The scene is examples/pbrt/ball.pbrt. Its materials are `diffuse`; the default fit of FILE, by `srbf` and as a table by
 `measured`; and FILE itself, a table of light and viewer exchanged, by `srbf` with "exchange" and by `measured`. For each one it prints:
   - the start: seconds of processor time of a picture with one path per pixel, the least of RUNS
   - microseconds of processor time of one more path, from the difference to a picture with PATHS paths per pixel; some paths miss the ball
-  - the relative variance of a path's luminance in the ball, in two ways: the mean variance of the pixels over the square of their mean, where bright
-    pixels count most, and the mean over the pixels of their relative variances.
-Then it prints for fit and file the relative difference of both pictures, RMS over squares of 8 x 8 pixels and colours, and the difference that noise
-alone makes.
+  - the relative variance of a path's luminance in the ball, in two ways: the mean variance of the pixels over the square of their mean,
+    where bright pixels count most, and the mean over the pixels of their relative variances.
+Then it prints for fit and file the relative difference of both pictures, RMS over squares of 8 x 8 pixels and colours, and the difference
+that noise alone makes.
 
 Use one core: taskset -c 1 python3 bench/pbrt_paths.py .. Needs numpy."""
 import pathlib
@@ -32,7 +33,8 @@ MATERIALS = {
 
 
 def prepare(program, file, folder):
-    for command in (["fit", file, "-o", "film.srbf"], ["convert", "film.srbf", "-o", "fit.bsdf"], ["convert", file, "--exchange", "-o", "file.bsdf"]):
+    for command in (["fit", file, "-o", "film.srbf"], ["convert", "film.srbf", "-o", "fit.bsdf"],
+                    ["convert", file, "--exchange", "-o", "file.bsdf"]):
         subprocess.run([program, *command], cwd=folder, check=True, stdout=subprocess.DEVNULL)
 
 

@@ -47,7 +47,8 @@ def read():
     if not os.path.exists(CSV):
         return {}
     with open(CSV, encoding="utf-8") as file:
-        return {(row["material"], row["setting"], int(row["seed"])): {key: float(row[key]) for key in ERRORS} for row in csv.DictReader(file)}
+        return {(row["material"], row["setting"], int(row["seed"])): {key: float(row[key]) for key in ERRORS}
+                for row in csv.DictReader(file)}
 
 
 def add_rows(program, paths):

@@ -81,7 +81,8 @@ class Cosines:
     def __init__(self, parameter, count):
         self.count = count
         self.parameters = [parameter("kd", 0, 4, False)] * 3 + count * (
-            [parameter("A", 1e-6, 6e4, True)] * 3 + [parameter("Cx", -4, 4, False), parameter("Cz", -4, 4, False), parameter("n", 0.1, 1e4, True)])
+            [parameter("A", 1e-6, 6e4, True)] * 3 + [parameter("Cx", -4, 4, False), parameter("Cz", -4, 4, False),
+                                                     parameter("n", 0.1, 1e4, True)])
 
     @staticmethod
     def shape(cx, cz, n, angle):

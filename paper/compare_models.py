@@ -1,4 +1,6 @@
-"""Writes docs/comparison.csv: python3 paper/compare_models.py FILE... [--networks FOLDER] [--codes FOLDER] [--tables FOLDER] > docs/comparison.csv
+"""Writes docs/comparison.csv:
+
+python3 paper/compare_models.py FILE... [--networks FOLDER] [--codes FOLDER] [--tables FOLDER] > docs/comparison.csv
 
 Fits each measurement by each model, and compares them by the same measures. Needs the package `srbf`
 (PYTHONPATH=build/release/python) and NumPy. classic_brdfs.py fits `abc`; to RGL's files it also fits small networks, and

@@ -158,9 +158,11 @@ def kinds_table(rows):
         kind_rows = [row for row in rows if row["kind"] == kind]
         errors = [mean(rows_of_model(kind_rows, model), "delta_e_itp") for model in models]
         lines.append([kind, str(len(rows_of_model(kind_rows, "srbf")))] + with_bold_least(errors) + range_of_default(kind_rows))
-    lines.append(["all", str(len(rows_of_model(rows, "srbf")))] + with_bold_least([mean(rows_of_model(rows, model), "delta_e_itp") for model in models])
+    lines.append(["all", str(len(rows_of_model(rows, "srbf")))] + with_bold_least([mean(rows_of_model(rows, model), "delta_e_itp")
+                                                                                   for model in models])
                  + range_of_default(rows))
-    lines.append(["median of all", ""] + with_bold_least([statistics.median(row["delta_e_itp"] for row in rows_of_model(rows, model)) for model in models])
+    lines.append(["median of all", ""] + with_bold_least([statistics.median(row["delta_e_itp"] for row in rows_of_model(rows, model))
+                                                          for model in models])
                  + ["", ""])
     return table(["kind", "materials"] + [MODELS[model].label for model in models] + ["9 lobes, least", "9 lobes, largest"], lines)
 
@@ -238,7 +240,8 @@ def options_table(rows):
     lines = []
     for model, name in OPTION_LABELS.items():
         model_rows = rows_of_model(rows, model)
-        columns = ["delta_e_itp", "flip", "psnr", "rms", "heldout_squared_error_ratio_cosine", "heldout_cube_root_error_ratio", "albedo_error"]
+        columns = ["delta_e_itp", "flip", "psnr", "rms", "heldout_squared_error_ratio_cosine", "heldout_cube_root_error_ratio",
+                   "albedo_error"]
         percent = {"heldout_squared_error_ratio_cosine", "heldout_cube_root_error_ratio", "albedo_error"}
         lines.append([name, text(max(row["payload"] for row in model_rows)), text(mean(measured_rows(model_rows), "delta_e_itp"))]
                      + [text(mean(model_rows, key) * (100 if key in percent else 1)) for key in columns])
@@ -246,7 +249,8 @@ def options_table(rows):
                   "cube root ≤ 80°, %", "albedo ≤ 80°, %"], lines)
 
 
-SIZE_LABELS = {"ggx-2": "Lambert and two GGX lobes", "openpbr": "parameters of OpenPBR", "srbf-4": "4 lobes", "srbf": "**9 lobes**", "srbf-16": "16 lobes",
+SIZE_LABELS = {"ggx-2": "Lambert and two GGX lobes", "openpbr": "parameters of OpenPBR", "srbf-4": "4 lobes", "srbf": "**9 lobes**",
+               "srbf-16": "16 lobes",
                "as-measured-8": "8 lobes, not reciprocal", "as-measured-16": "16 lobes, not reciprocal"}
 
 
@@ -269,9 +273,11 @@ def stand_ins_table(rows):
     lines = []
     for model, errors, against in (("srbf", default, other), ("as-measured-8", other, default)):
         larger = [material for material in sorted(errors) if errors[material] > 1.1 * against[material]]
-        names = "".join(f", {material} ({text(errors[material])} and {text(against[material])})" for material in larger) if model == "srbf" else ""
+        names = "".join(f", {material} ({text(errors[material])} and {text(against[material])})"
+                        for material in larger) if model == "srbf" else ""
         lines.append([MODELS[model].label, text(statistics.fmean(errors.values())), text(statistics.median(errors.values())),
-                      str(sum(errors[material] < against[material] for material in errors)), str(len(larger)) + names.replace(", ", ": ", 1)])
+                      str(sum(errors[material] < against[material] for material in errors)),
+                      str(len(larger)) + names.replace(", ", ": ", 1)])
     return table(["model", "mean of the stand-ins", "median", "smaller error on", "larger by more than a tenth on"], lines)
 
 
@@ -333,7 +339,8 @@ def plot(rows):
     parts = [panel(measured_rows(rows), "five measurements", 50, 40, 470, 430)]
     for i, kind in enumerate(kinds):
         kind_rows = [row for row in rest if row["kind"] == kind]
-        parts.append(panel(kind_rows, f"{kind} ({len(rows_of_model(kind_rows, 'srbf'))})", 580 + 215 * (i % 3), 40 + 250 * (i // 3), 165, 180))
+        parts.append(panel(kind_rows, f"{kind} ({len(rows_of_model(kind_rows, 'srbf'))})", 580 + 215 * (i % 3), 40 + 250 * (i // 3), 165,
+                           180))
     for i, (curve, (colour, loss)) in enumerate(CURVES.items()):
         left, top = 30 + 150 * (i % 8), 530 + 24 * (i // 8)
         parts.append(mark(left, top - 4, colour, loss, curve in SHARING_CURVES) + f'<text x="{left + 13}" y="{top}">{curve}</text>')
@@ -361,7 +368,8 @@ def pages(rows):
     tables = {PAGE: [("measurements", measured_table(measured)), ("means of measurements", means_table(measured)),
                      ("equal bytes", equal_bytes_table(measured)), ("kinds", kinds_table(rest)), ("stand-ins", stand_ins_table(rows)),
                      ("further tables", further_table(read(FURTHER))), ("measures", measures_table(measured))],
-              ACCURACY: [("options", options_table(rows))], CHOOSING: [("sizes", sizes_table(rows))], PAPER: [("networks", networks_table(measured))]}
+              ACCURACY: [("options", options_table(rows))], CHOOSING: [("sizes", sizes_table(rows))],
+              PAPER: [("networks", networks_table(measured))]}
     made = {}
     for path, page_tables in tables.items():
         with open(path, encoding="utf-8") as file:

@@ -1,8 +1,8 @@
 """Fits models of brdf_families.py by the default objective of `srbf`, so that a comparison is one of forms and not of losses.
 
-The loss is that of docs/fitting.md with its weights: pairs, albedos, and pixels of the same pictures. It has no overshoots, and nothing beyond 89°.
-As by default, values are those of the reciprocal mean, and pixels of the fit choose among the starts: sixteen are improved by a quarter of the data,
-four of them by all, then two and one.
+The loss is that of docs/fitting.md with its weights: pairs, albedos, and pixels of the same pictures. It has no overshoots, and nothing
+beyond 89°. As by default, values are those of the reciprocal mean, and pixels of the fit choose among the starts: sixteen are improved by a
+quarter of the data, four of them by all, then two and one.
 """
 import pathlib
 import sys
@@ -205,7 +205,8 @@ class Loss:
         by_colours, by_albedos = self.sums(by)
         by_error = (slope * (colours < self.limit)[:, None]) @ by_colours
         by_error -= error[..., None] * (error[:, None] @ by_error) / (2 * s * (s + 1))[..., None]
-        rows = [by[:pairs] * self.root[..., None], by_error * pixel_weight[..., None], by_albedos * (self.albedo_weight / self.unit)[..., None]]
+        rows = [by[:pairs] * self.root[..., None], by_error * pixel_weight[..., None],
+                by_albedos * (self.albedo_weight / self.unit)[..., None]]
         return r, np.concatenate(rows).reshape(len(r), -1).T
 
 

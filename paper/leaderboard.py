@@ -91,7 +91,8 @@ def models_of(path, arguments):
 
 
 def fitted(model, name, measured, arguments, work):
-    """The BRDF or function, its bytes, the bytes that all materials share, and the errors if they are known; None if there is no such fit."""
+    """The BRDF or function, its bytes, the bytes that all materials share, and the errors if they are known; None if there is no such
+    fit."""
     if model == "nbrdf":
         layers = stand_ins.network_of(arguments.networks, name)
         return layers and (compare_models.network(layers), 4 * 675, 0, None)
@@ -143,7 +144,8 @@ def protocols(path, measured, brdf, environment, work):
     f, g = (np.asarray(function.eval(wl, wv), float) for function in (measured, brdf))
     model, picture = os.path.join(work, "model.srbf"), os.path.join(work, "pictures.png")
     brdf.save(model)
-    subprocess.run([os.environ.get("SRBF", "srbf"), "render", path, model, "-o", picture, "--mesh", "sphere", "--env", environment, "--no-ground",
+    subprocess.run([os.environ.get("SRBF", "srbf"), "render", path, model, "-o", picture, "--mesh", "sphere", "--env", environment,
+                    "--no-ground",
                     "--no-occlusion", "--size", f"{SPHERE}x{SPHERE}", "--spp", str(PATHS)], check=True, stdout=subprocess.DEVNULL)
     reference, other = np.split(png_values(picture)[:SPHERE], 2, axis=1)  # without the captions below
     at = (np.arange(SPHERE) + 0.5) / SPHERE * 2 - 1
@@ -199,7 +201,8 @@ def plot(rows):
 def write_page(folder, results, measured):
     rows = list(results.values())
     databases = sorted({row["database"] for row in rows})
-    parts = ["# Leaderboard", "Every measurement is fitted by each model without options. *ΔE_ITP* is the mean visible error of pictures of a sphere "
+    parts = ["# Leaderboard",
+             "Every measurement is fitted by each model without options. *ΔE_ITP* is the mean visible error of pictures of a sphere "
              "under eight lightings, and *worst light* that of the worst of them; 1 is just noticeable. PSNR is better if larger, all others if "
              "smaller. *Bytes* are the numbers of one material.", "![ΔE_ITP of each material](picture.svg)", summary(rows)]
     if len(databases) > 1:
@@ -231,7 +234,8 @@ def main():
     options.add_argument("paths", nargs="+", metavar="FILE|FOLDER")
     options.add_argument("-o", "--output", default="build/leaderboard", metavar="FOLDER")
     options.add_argument("--merge", action="store_true")
-    options.add_argument("--models", nargs="+", default=DEFAULT, choices=[name for name in NAMES if name in compare_models.MODELS], metavar="NAME")
+    options.add_argument("--models", nargs="+", default=DEFAULT, choices=[name for name in NAMES if name in compare_models.MODELS],
+                         metavar="NAME")
     options.add_argument("--networks", metavar="FOLDER")
     options.add_argument("--codes", metavar="FOLDER")
     options.add_argument("--protocols", action="store_true")

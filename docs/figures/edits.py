@@ -1,5 +1,5 @@
-"""docs/edits.jpg: python3 docs/figures/edits.py SRBF OUT.jpg. Ten edits of ready models, in seven steps each. The program edits and draws the
-models under its studio light; Chromium sets the text, and a frame about the ball that is not edited."""
+"""docs/edits.jpg: python3 docs/figures/edits.py SRBF OUT.jpg. Ten edits of ready models, in seven steps each. The program edits and draws
+the models under its studio light; Chromium sets the text, and a frame about the ball that is not edited."""
 import os
 import subprocess
 import sys
@@ -20,7 +20,8 @@ def tint(i):
 
 
 # The name, the model, the options of each step, the values below the balls, and the step that is not edited.
-ROWS = [(name, model, [[option, str(value)] for value in values], [text(value) for value in values], unedited) for name, model, option, values, text, unedited in (
+ROWS = [(name, model, [[option, str(value)] for value in values], [text(value) for value in values], unedited)
+        for name, model, option, values, text, unedited in (
     ("Roughness of the film, --roughen", FILM, "--roughen", ROUGHER, "× {}".format, 2),
     ("Roughness of golden yellow, --roughen", GOLD, "--roughen", ROUGHER, "× {}".format, 2),
     ("Colour of the film's highlight, --tint-highlight R,G,B", FILM, "--tint-highlight", [tint(i) for i in range(7)], "{}".format, 3),

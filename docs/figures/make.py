@@ -32,7 +32,8 @@ def draw(program, materials, work):
     for _, stem, measured in materials:
         run("fit", measured, "-o", stem + ".srbf", "--json", stem + ".json")
         run("fit", measured, "--model", "ggx", "--lobes", "2", "-o", stem + "_ggx.srbf", "--json", stem + "_ggx.json")
-        run("render", measured, stem + ".srbf", stem + "_ggx.srbf", "--env", "none", "--lights", "three", "--size", f"{PANEL}x{PANEL}", "--spp", str(PATHS), "-o", stem + ".png")
+        run("render", measured, stem + ".srbf", stem + "_ggx.srbf", "--env", "none", "--lights", "three", "--size", f"{PANEL}x{PANEL}",
+            "--spp", str(PATHS), "-o", stem + ".png")
 
 
 def compose(materials, work, out):

@@ -4,7 +4,8 @@ PYTHONPATH=build/release/python python3 docs/figures/spheres.py lights docs/ligh
     The bundled paper and film with fits of them under the eight lights; a number is ΔE_ITP of a picture against the one of the measurement.
 PYTHONPATH=build/release/python python3 docs/figures/spheres.py models docs/models.jpg RGL NETWORKS
     Four files of the folder RGL and models of them under the light `studio`; a number is the mean ΔE_ITP of the eight lights. In the second
-    row the film is under `flash`, and a number is the ΔE_ITP of this light. NETWORKS is the folder of networks that paper/compare_models.py takes.
+    row the film is under `flash`, and a number is the ΔE_ITP of this light. NETWORKS is the folder of networks that paper/compare_models.py
+    takes.
 """
 import base64
 import os
@@ -37,7 +38,8 @@ def table_of(function, path, polar=180, azimuths=361):
 
 
 def sphere(brdf, measured, light, size):
-    """A picture of `brdf` as HTML, with the exposure that sets the 90th percentile of the measured one to 3/4 of white; twice as large as shown."""
+    """A picture of `brdf` as HTML, with the exposure that sets the 90th percentile of the measured one to 3/4 of white; twice as large as
+    shown."""
     reference = srbf.render(measured, light, 2 * size).max(axis=2)
     picture = srbf.render(brdf, light, 2 * size) * 0.75 / np.quantile(reference[reference > 0], 0.9)
     return f'<img width={size} src="data:image/png;base64,{base64.b64encode(srbf.png(picture)).decode()}">'
@@ -59,7 +61,8 @@ def lights(out):
             model = srbf.fit(measured, **options).model
             errors = srbf.errors(measured, model)
             rows.append((f"{label}<br>mean {errors['delta_e_itp']:.1f}",
-                         [sphere(model, measured, light, 78) + f"{errors['lightings'][light]['delta_e_itp']:.1f}" for light in srbf.lightings()]))
+                         [sphere(model, measured, light, 78) + f"{errors['lightings'][light]['delta_e_itp']:.1f}"
+                          for light in srbf.lightings()]))
     grid(srbf.lightings(), rows, 110, 88, out)
 
 

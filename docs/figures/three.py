@@ -1,4 +1,5 @@
-"""docs/tutorials/three_spheres.png: python3 docs/figures/three.py SRBF THREE, a folder with three.js of release 187. Needs numpy, openexr and pillow of PyPI.
+"""docs/tutorials/three_spheres.png: python3 docs/figures/three.py SRBF THREE, a folder with three.js of release 187. Needs numpy, openexr
+and pillow of PyPI.
 
 The film under three distant lights and under data/studio.hdr: the measurement by path tracing, the exported material, and the
 MeshStandardMaterial whose colour, roughness and metalness have the least visible error in this picture, found by a search. Chromium draws
@@ -121,7 +122,8 @@ def main(program, three):
         page = opened(three, work)
         try:
             for light in (["--env", "none", "--lights", "three"], ["--env", "studio"]):
-                run("render", measured, "-o", "measured.exr", "--mesh", "sphere", *light, "--no-ground", "--no-occlusion", "--size", f"{SIZE}x{SIZE}", "--spp", str(PATHS))
+                run("render", measured, "-o", "measured.exr", "--mesh", "sphere", *light,
+                    "--no-ground", "--no-occlusion", "--size", f"{SIZE}x{SIZE}", "--spp", str(PATHS))
                 reference = pixels_of(os.path.join(work, "measured.exr"))
                 if light[1] == "studio":
                     rows, width, height = equirectangular(os.path.join(data, "studio.hdr"))

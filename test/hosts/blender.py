@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Checks materials of nodes in Blender's Cycles.
 
-The script that `srbf export --to blender` writes makes the materials of measurements, and Cycles draws a sphere of each. The script's tables
-hold closures, and "the formula" is the sum of these closures. Checks:
+The script that `srbf export --to blender` writes makes the materials of measurements, and Cycles draws a sphere of each. The script's
+tables hold closures, and "the formula" is the sum of these closures. Checks:
   - Under a distant lamp, the picture agrees with the formula.
   - Under environments and round lamps, the picture is nearer to that of the measurement than a picture by Principled's parameters.
   - In a furnace, no pixel is brighter than FURNACE_WITHIN.
@@ -12,9 +12,9 @@ hold closures, and "the formula" is the sum of these closures. Checks:
   - The shader that `--to osl` writes agrees with its formula.
   - Within the noise of paths, that shader is no farther from the measurement than the nodes.
 
-Usage: blender.py PROGRAM DATA [PICTURE], where DATA contains rgl/. The environment variable SRBF_ENVIRONMENTS names environments that are tried
-beside the bundled one, separated by colons. The test needs the packages bpy, openexr and pillow of PyPI, in a Python of bpy's version.
-It is skipped without bpy.
+Usage: blender.py PROGRAM DATA [PICTURE], where DATA contains rgl/. The environment variable SRBF_ENVIRONMENTS names environments that are
+tried beside the bundled one, separated by colons. The test needs the packages bpy, openexr and pillow of PyPI, in a Python of bpy's
+version. It is skipped without bpy.
 """
 import importlib.util
 import math
@@ -164,7 +164,8 @@ with tempfile.TemporaryDirectory() as folder:
         srbf("export", principled + ".srbf", "--to", "principled", "-o", principled + ".py")
         light_errors = []
         for light, environment in lights.items():
-            pictures = [drawn(measured, f"{folder}/m.exr", environment), *(drawn_by_cycles(exported, f"{folder}/n.exr", environment=environment)
+            pictures = [drawn(measured, f"{folder}/m.exr", environment),
+                        *(drawn_by_cycles(exported, f"{folder}/n.exr", environment=environment)
                                                                           for exported in (script, principled + ".py"))]
             reference, nodes, parameters = (picture[inside] for picture in pictures)
             light_errors.append((delta_e(nodes, reference), delta_e(parameters, reference)))

@@ -60,14 +60,16 @@ class Sphere:
         kept = prepare(self.gl, shader)
         self.gl.vertex_array(shader, [(self.vertices, "2f 3f 3f", "at", "position", "normal")]).render(moderngl.POINTS)
         del kept
-        return [np.frombuffer(target.read(), "f4").reshape(lit_sphere.SIZE, lit_sphere.SIZE, 4)[self.inside][:, :3].astype(float) for target in targets]
+        return [np.frombuffer(target.read(), "f4").reshape(lit_sphere.SIZE, lit_sphere.SIZE, 4)[self.inside][:, :3].astype(float)
+                for target in targets]
 
 
 def under(light, around):
     """Sets Unity's names: a light in the direction of lit_sphere.py, and the same radiance from everywhere."""
     def prepare(gl, shader):
         ones = np.ones(4)
-        block = np.concatenate([np.zeros(48), ones, ones, around * ones, lit_sphere.TO_LIGHT, [0], light / np.pi * ones, [0, 0, lit_sphere.DISTANCE, 0]])
+        block = np.concatenate([np.zeros(48), ones, ones, around * ones, lit_sphere.TO_LIGHT, [0], light / np.pi * ones,
+                                [0, 0, lit_sphere.DISTANCE, 0]])
         numbers, tint = gl.buffer(block.astype("f4").tobytes()), gl.buffer(ones.astype("f4").tobytes())
         cube = gl.texture_cube((1, 1), 4, np.full(24, around, "f4").tobytes(), dtype="f4")
         for name, buffer, binding in (("Unity", numbers, 0), ("UnityPerMaterial", tint, 1)):

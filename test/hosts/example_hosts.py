@@ -109,7 +109,8 @@ def draw_by_filament(example, code, picture):
 
 
 def three_files(files):
-    """Returns files of three.js by name from a folder in peers/, which stands beside the measurements. Returns None if a file is missing."""
+    """Returns files of three.js by name from a folder in peers/, which stands beside the measurements. Returns None if a file is
+    missing."""
     for folder in data.parent.glob("peers/*"):
         paths = [folder / f"three.{file}.js" for file in files]
         if all(path.exists() for path in paths):
@@ -120,7 +121,8 @@ def three_files(files):
 def babylon_script():
     """Returns the script of Babylon.js, which a module of pybabylonjs contains, or None without the package."""
     folder = package_folder("pybabylonjs") or Path(__file__)
-    text = "".join(path.read_text(encoding="utf-8") + ";\n" for path in folder.glob("labextension/static/*.js") if path.stat().st_size > 2e5)
+    text = "".join(path.read_text(encoding="utf-8") + ";\n"
+                   for path in folder.glob("labextension/static/*.js") if path.stat().st_size > 2e5)
     whole = re.search(r"(\d+):\(\w,(\w),\w\)=>\{\"use strict\";\w\.r\(\2\),\w\.d\(\2,\{AbstractActionManager:", text)
     return whole and WEBPACK.replace("CHUNK", text) + f"window.BABYLON = load({whole[1]});"
 
@@ -131,11 +133,14 @@ def hosts():
         return version(distribution) if all(map(importlib.util.find_spec, modules or (distribution,))) else None
     compiler = shutil.which("cc") and subprocess.run(["cc", "--version"], capture_output=True, text=True).stdout.splitlines()[0]
     yield "c", compiler, ("--to", "c"), ".h", draw_by_c
-    for name, kind, flags, files in (("three_webgl", "three", WEBGL, ("module", "core")), ("three_webgpu", "three-webgpu", WEBGPU, ("webgpu", "core", "tsl"))):
+    for name, kind, flags, files in (("three_webgl", "three", WEBGL, ("module", "core")),
+                                     ("three_webgpu", "three-webgpu", WEBGPU, ("webgpu", "core", "tsl"))):
         texts = three_files(files)
-        yield name, texts and chromium() and re.search(r"REVISION = '(\w+)'", texts["three.core.js"])[1], ("--to", kind), ".js", draw_by_page(flags, texts)
+        yield name, texts and chromium() and re.search(r"REVISION = '(\w+)'",
+                                                       texts["three.core.js"])[1], ("--to", kind), ".js", draw_by_page(flags, texts)
     bundle = babylon_script()
-    yield ("babylon", bundle and chromium() and re.search(r'"(7\.\d+\.\d+)"', bundle)[1], ("--to", "glsl"), ".glsl", draw_by_page(WEBGL, {"babylon.js": bundle}))
+    yield ("babylon", bundle and chromium() and re.search(r'"(7\.\d+\.\d+)"', bundle)[1], ("--to", "glsl"), ".glsl",
+           draw_by_page(WEBGL, {"babylon.js": bundle}))
     filament = Path(FILAMENT).exists() and all(map(shutil.which, ("matc", "xvfb-run"))) and subprocess.run(
         ["dpkg-query", "-W", "-f", "${Version}", "libfilament-dev"], capture_output=True, text=True).stdout
     yield "filament", filament, ("--to", "glsl"), ".glsl", draw_by_filament
@@ -176,7 +181,8 @@ with tempfile.TemporaryDirectory() as folder:
         expect(max(errors) <= lit_sphere.WITHIN, text)
     if further:
         from PIL import Image, ImageDraw
-        rows_of_spheres = Image.fromarray(np.concatenate([lit_sphere.side_by_side(references[material], rows[material]) for material in MATERIALS]))
+        rows_of_spheres = Image.fromarray(np.concatenate([lit_sphere.side_by_side(references[material], rows[material])
+                                                          for material in MATERIALS]))
         spheres = rows_of_spheres.resize([96 * length // lit_sphere.SIZE for length in rows_of_spheres.size], Image.Resampling.BOX)
         sheet = Image.new("RGB", (spheres.width, spheres.height + 14), "white")
         sheet.paste(spheres, (0, 14))

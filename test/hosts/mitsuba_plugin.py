@@ -42,7 +42,8 @@ def run(*command):
 
 
 def film_of(size):
-    return {"type": "hdrfilm", "width": size, "height": size, "pixel_format": "rgb", "component_format": "float32", "rfilter": {"type": "box"}}
+    return {"type": "hdrfilm", "width": size, "height": size, "pixel_format": "rgb", "component_format": "float32",
+            "rfilter": {"type": "box"}}
 
 
 def picture_of(bsdf):
@@ -50,9 +51,11 @@ def picture_of(bsdf):
         return mi.ScalarTransform4f().look_at(origin=origin, target=[0, 0, 0], up=[0, 1, 0])
     return np.array(mi.render(mi.load_dict({
         "type": "scene", "integrator": {"type": "direct", "emitter_samples": 1, "bsdf_samples": 0},
-        "light": {"type": "directional", "direction": list(-lit_sphere.TO_LIGHT), "irradiance": {"type": "rgb", "value": lit_sphere.IRRADIANCE}},
+        "light": {"type": "directional", "direction": list(-lit_sphere.TO_LIGHT),
+                  "irradiance": {"type": "rgb", "value": lit_sphere.IRRADIANCE}},
         "ball": {"type": "sphere", "bsdf": bsdf},
-        "camera": {"type": "perspective", "fov": math.degrees(2 * lit_sphere.HALF_FIELD), "to_world": seen_from([0, 0, lit_sphere.DISTANCE]), "film": film_of(lit_sphere.SIZE),
+        "camera": {"type": "perspective", "fov": math.degrees(2 * lit_sphere.HALF_FIELD),
+                   "to_world": seen_from([0, 0, lit_sphere.DISTANCE]), "film": film_of(lit_sphere.SIZE),
                    "sampler": {"type": "stratified", "sample_count": 16}},
     })), dtype=float)
 
@@ -93,7 +96,8 @@ def uniform_numbers(count):
 def relative_variance(bsdf, z):
     """Returns the mean weight of samples over azimuths of the viewer."""
     views = [interaction(directions(np.array(z), np.array(phi))) for phi in np.arange(8) * np.pi / 4]
-    weights = np.array([[bsdf.sample(mi.BSDFContext(), at, a, mi.Point2f(b, c))[1][1] for a, b, c in uniform_numbers(4000)] for at in views])
+    weights = np.array([[bsdf.sample(mi.BSDFContext(), at, a, mi.Point2f(b, c))[1][1] for a, b, c in uniform_numbers(4000)]
+                        for at in views])
     return float((weights.var(1) / weights.mean(1)**2).mean())
 
 
@@ -105,8 +109,8 @@ def brushed_samples(folder):
 
 
 def check_samples(name, bsdf, wi):
-    """χ² of the samples' histogram against the density, and the mean of their weights against the integral of the value. Returns the mean of
-    all weights, those of beams included."""
+    """χ² of the samples' histogram against the density, and the mean of their weights against the integral of the value. Returns the mean
+    of all weights, those of beams included."""
     at, context = interaction(wi), mi.BSDFContext()
     drawn = [bsdf.sample(context, at, a, mi.Point2f(b, c)) for a, b, c in uniform_numbers(SAMPLES)]
     scattered = [(s, weight[1]) for s, weight in drawn if s.sampled_type in GLOSSY]
@@ -134,7 +138,8 @@ def check_samples(name, bsdf, wi):
 def seen_in_white(bsdf, wi):
     """Returns the path-traced radiance (green) of a flat surface in white surroundings, which is its albedo for this viewer, with beams."""
     return np.array(mi.render(mi.load_dict({
-        "type": "scene", "integrator": {"type": "path", "max_depth": 3}, "sky": {"type": "constant", "radiance": {"type": "rgb", "value": 1}},
+        "type": "scene", "integrator": {"type": "path", "max_depth": 3},
+        "sky": {"type": "constant", "radiance": {"type": "rgb", "value": 1}},
         "surface": {"type": "rectangle", "to_world": mi.ScalarTransform4f().scale(100), "bsdf": bsdf},
         "camera": {"type": "orthographic", "film": film_of(8), "to_world": mi.ScalarTransform4f().look_at((10 * wi).tolist(), [0, 0, 0], [0, 1, 0])},
     }), spp=4096))[..., 1].mean()
@@ -142,7 +147,8 @@ def seen_in_white(bsdf, wi):
 
 with tempfile.TemporaryDirectory() as folder:
     run("cmake", "--install", program.parent, "--prefix", f"{folder}/prefix")
-    run("cmake", "-G", "Ninja", "-S", ROOT / "examples/mitsuba", "-B", f"{folder}/plugin", f"-DCMAKE_PREFIX_PATH={folder}/prefix", f"-DPython_EXECUTABLE={sys.executable}")
+    run("cmake", "-G", "Ninja", "-S", ROOT / "examples/mitsuba", "-B", f"{folder}/plugin", f"-DCMAKE_PREFIX_PATH={folder}/prefix",
+        f"-DPython_EXECUTABLE={sys.executable}")
     run("cmake", "--build", f"{folder}/plugin")
     mi.set_variant("scalar_rgb")
     mi.file_resolver().append(f"{folder}/plugin")
@@ -164,14 +170,17 @@ with tempfile.TemporaryDirectory() as folder:
     np.testing.assert_allclose(values * lit_sphere.IRRADIANCE, lit_sphere.reflected(program, model, pairs, folder), rtol=2e-4, atol=1e-6)
     print("ok   values are those of `srbf eval`")
 
-    for name, material in (("default", plugin), ("the file", file_bsdf), ("BSDF", {"type": "srbf_cpp", "filename": str(ROOT / "test/models/1/bsdf.srbf")})):
+    for name, material in (("default", plugin), ("the file", file_bsdf),
+                           ("BSDF", {"type": "srbf_cpp", "filename": str(ROOT / "test/models/1/bsdf.srbf")})):
         bsdf = mi.load_dict(material)
         for z in (0.9, 0.3) if name != "BSDF" else (0.7, -0.4):
             wi = directions(np.array(z), np.array(0.5))
             albedo, seen = check_samples(name, bsdf, wi), seen_in_white(material, wi)
-            expect(abs(seen - albedo) < 0.01 * albedo, f"its radiance in white surroundings is {seen:.4f}, the mean of all weights {albedo:.4f}")
+            expect(abs(seen - albedo) < 0.01 * albedo,
+                   f"its radiance in white surroundings is {seen:.4f}, the mean of all weights {albedo:.4f}")
     variance = relative_variance(mi.load_dict({"type": "srbf_cpp", "filename": str(brushed_samples(folder))}), 0.7)
-    expect(variance < 0.6, f"samples follow a brushed surface: their relative variance at 45° is {variance:.2f} (0.87 by a density that does not)")
+    expect(variance < 0.6,
+           f"samples follow a brushed surface: their relative variance at 45° is {variance:.2f} (0.87 by a density that does not)")
     back, zero = interaction([0.6, 0, -0.8]), mi.load_dict(plugin)
     both = mi.load_dict({"type": "twosided", "bsdf": plugin})
     expect(not any(zero.eval(mi.BSDFContext(), back, mi.Vector3f(0, 0, z))[1] for z in (1, -1)) and

@@ -82,7 +82,8 @@ def prepare(folder, page):
     environment["PYTHONPATH"] = os.pathsep.join([str(program.parent / "python"), *(p for p in sys.path if p and Path(p) not in OWN_PATHS)])
     environment["CMAKE_PREFIX_PATH"] = str(program.parent.parent / "hosts/prefix")
     if page.stem == "path_tracer" or page.parent.name == "examples":
-        subprocess.run(["cmake", "--install", program.parent, "--prefix", environment["CMAKE_PREFIX_PATH"]], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(["cmake", "--install", program.parent, "--prefix", environment["CMAKE_PREFIX_PATH"]], check=True,
+                       stdout=subprocess.DEVNULL)
     return environment
 
 

@@ -24,7 +24,8 @@ MODEL = ["export", "film.srbf", "--to"]
 COMMANDS = [["fit", MEASURED, "-o", "film.srbf"], [*MODEL, "three", "-o", "film.js"],
             [*MODEL, "html", "--reference", MEASURED, "-o", "page.html"], [*MODEL, "unity", "-o", "film.shader"],
             [*MODEL, "glsl", "--with", "albedo", "-o", "film.gdshaderinc"]]
-KEPT = {"film.js": data / "ready", "film.html": data / "ready", "film.shader": data / "ready", "film.gdshaderinc": ROOT / "examples/hosts/godot4"}
+KEPT = {"film.js": data / "ready", "film.html": data / "ready", "film.shader": data / "ready",
+        "film.gdshaderinc": ROOT / "examples/hosts/godot4"}
 
 
 def text_of(path):

@@ -97,7 +97,8 @@ def compare_file(page, file, folder):
     """Opens, fits and saves a file on the page and by the program. What they save must be equal."""
     page.drop(file)
     page.wait(file.name, lambda state: state["failure"] or state["working"])
-    _, seen = page.wait(file.name, lambda state: state["failure"] or state["verdict"])  # the verdict on a first draft or, for both sides, on the last fit
+    # The verdict on a first draft or, for both sides, on the last fit.
+    _, seen = page.wait(file.name, lambda state: state["failure"] or state["verdict"])
     state, seconds = page.wait(file.name, lambda state: state["failure"] or state["name"] == file.name)
     longest = page.longest_task()
     print(f"  {file.name}: the first fit is shown after {seen:.1f} s and the last after {seen + seconds:.1f} s, {state['memory'] / 2**20:.0f} MB, at most {longest} ms without an answer: "
@@ -142,7 +143,8 @@ def check_blender_script(page, subject, folder):
 
 
 def check_one_screen(page, material, others=""):
-    """Checks that all sliders, the buttons that save, and these other elements are on the screen with the whole picture of this material."""
+    """Checks that all sliders, the buttons that save, and these other elements are on the screen with the whole picture of this
+    material."""
     low, high = page.chromium.run(f"""(() => {{ document.getElementById("edit_roughen").scrollIntoView({{ block: "center" }});
         const boxes = [...document.querySelectorAll("#editing input, #saving .main, figure[data-material='{material}'] canvas{others}")].map((e) => e.getBoundingClientRect());
         return [Math.min(...boxes.map((box) => box.top)), Math.max(...boxes.map((box) => box.bottom))]; }})()""")
@@ -164,11 +166,13 @@ def check_gallery(page, folder):
     shown = chromium.run("[...document.querySelectorAll('figure:not([hidden])')].map((figure) => figure.dataset.material).join()")
     check(shown == "1", f"{name}: pictures {shown}")
     check(not chromium.run("document.getElementById('editing').hidden"), f"{name} cannot be edited")
-    check(chromium.run("document.getElementById('state').getBoundingClientRect().top < innerHeight / 2"), f"{name} is shown below the window")
+    check(chromium.run("document.getElementById('state').getBoundingClientRect().top < innerHeight / 2"),
+          f"{name} is shown below the window")
     about = chromium.run("document.getElementById('about').textContent")
     check("ΔE 3.1 against a table from a neural network" in about and "ask the authors" in about, f"{name} is described by {about!r}")
     check(chromium.run("[...document.querySelectorAll('.compared')].every((e) => e.hidden)"), f"{name}: the page talks of a measurement")
-    check(chromium.run("document.querySelector('#about a')?.href") == "https://rgl.epfl.ch/materials", f"{name} has no link to its measurement")
+    check(chromium.run("document.querySelector('#about a')?.href") == "https://rgl.epfl.ch/materials",
+          f"{name} has no link to its measurement")
     check_one_screen(page, "1", ", .controls > label > *")
     check_blender_script(page, ROOT / "data/gallery" / name, folder)
     # Another file is opened, and then this ball again.
@@ -177,10 +181,12 @@ def check_gallery(page, folder):
     chromium.click(LAST_BALL)
     page.wait(f"{name} again", lambda state: state["name"] == name)
     chromium.click(LAST_BALL)
-    check(chromium.run("document.getElementById('state').getBoundingClientRect().top < innerHeight / 2"), "a second click on a ball shows nothing")
+    check(chromium.run("document.getElementById('state').getBoundingClientRect().top < innerHeight / 2"),
+          "a second click on a ball shows nothing")
     chromium.click("#gallery li:first-child a")
     page.wait("the film's ball", lambda state: state["name"] == models[0] + ".srbf")
-    check_blender_script(page, ROOT / "data/cc_ibiza_sunset_rgb.bsdf", folder)  # from the measurement and not from its model, since the page has the measurement
+    # From the measurement and not from its model, since the page has the measurement.
+    check_blender_script(page, ROOT / "data/cc_ibiza_sunset_rgb.bsdf", folder)
 
 
 def click_ball(page, ball):
@@ -231,7 +237,8 @@ def check_layout(page):
             chromium.settle()
             now, is_drawn = pixels(page, chromium.run("document.querySelector('figure:not([hidden])').dataset.material"))
             check(is_drawn and difference(now, calm) < 0.1, f"{width} pixels wide, hue {hue}: no picture, or noise")
-            page.wait("an edit", lambda state: chromium.run(f"app.state().busy === 0 && (app.state().edited !== null) === {'true' if hue else 'false'}"))
+            page.wait("an edit",
+                      lambda state: chromium.run(f"app.state().busy === 0 && (app.state().edited !== null) === {'true' if hue else 'false'}"))
             check(chromium.run(WORK)["boxes"] == before, f"{width} pixels wide, hue {hue}: sliders, buttons or pictures move")
 
 
@@ -241,7 +248,8 @@ def check_damaged_files(page, folder):
     contents = {"empty.bsdf": b"", "text.bsdf": b"Hello, world\n", "cut.bsdf": film[:100000],
                 "head.bsdf": film[:12] + b"\xff" * 40 + film[52:], "wrong.csv": b"wl_x,wl_y\n1,2\n",
                 "wrong.xml": b"<?xml version='1.0'?><WindowElement><Optical></WindowElement>",
-                "huge.binary": (2**30).to_bytes(4, "little") * 3 + b"\0" * 100, "picture.png": b"\x89PNG\r\n\x1a\n", "report.json": b'{"lobes": 9}',
+                "huge.binary": (2**30).to_bytes(4, "little") * 3 + b"\0" * 100, "picture.png": b"\x89PNG\r\n\x1a\n",
+                "report.json": b'{"lobes": 9}',
                 "cut.hdr": b"#?RADIANCE\n\n-Y 4 +X 8\n"}
     kinds = {"empty.bsdf": "an empty file", "picture.png": "a PNG picture", "report.json": "a JSON file"}
     chromium = page.chromium

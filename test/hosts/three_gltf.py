@@ -5,8 +5,8 @@ The test fits a surface to measurements and writes it as binary glTF. three.js (
 distant lights, and in an environment that three.js filters beforehand; `srbf render` draws the measurement and the surface. The error of
 three.js against the measurement is at most 30 % larger than the error of the surface. Where three.js uses another formula, it is at most
 LARGEST_RATIOS times as large.
-Usage: three_gltf.py PROGRAM DATA [PICTURE], where DATA contains rgl/. The test needs Chromium, and the packages numpy, openexr and nicegui of
-PyPI in this Python. nicegui contains three.js with its GLTFLoader; without its files the test is skipped.
+Usage: three_gltf.py PROGRAM DATA [PICTURE], where DATA contains rgl/. The test needs Chromium, and the packages numpy, openexr and nicegui
+of PyPI in this Python. nicegui contains three.js with its GLTFLoader; without its files the test is skipped.
 """
 import base64
 import importlib.util
@@ -23,7 +23,8 @@ from support.visible_error import delta_e, displayed, exposure, hdr_of
 from support.surface_drawing import (BRUSHED, DISTANCE, ELEVATION, FIELD, MATERIALS, SIZE, drawn as rendered, errors_of, expect_brushed,
                                      expect_errors, on_sphere, studio as environment)
 
-found = next((Path(p) / "nicegui/elements/scene/dist" for p in sys.path if (Path(p) / "nicegui/elements/scene/dist/index.js").exists()), None)
+found = next((Path(p) / "nicegui/elements/scene/dist" for p in sys.path if (Path(p) / "nicegui/elements/scene/dist/index.js").exists()),
+             None)
 if found is None or chromium() is None or importlib.util.find_spec("OpenEXR") is None:
     skip("no three.js of nicegui, no Chromium or no OpenEXR")
 
@@ -97,14 +98,16 @@ with tempfile.TemporaryDirectory() as folder:
     page = Chromium([*WEBGL, "--allow-file-access-from-files"])
     try:
         page.open(folder + "/page.html")
-        print("three.js", page.run("new Promise((done) => { const wait = () => window.draw ? done(revision) : setTimeout(wait, 50); wait(); })"))
+        print("three.js",
+              page.run("new Promise((done) => { const wait = () => window.draw ? done(revision) : setTimeout(wait, 50); wait(); })"))
         for name in MATERIALS:
             measured, model, glb = data / f"rgl/{name}.bsdf", f"{folder}/{name}.srbf", f"{folder}/{name}.glb"
             srbf("fit", measured, "--model", "gltf", "-o", model)
             srbf("export", model, "--to", "glb", "-o", glb)
             row = []
             for words, lights, texels in ((THREE, LIGHTS, None), (("--env", environment), [], hdr_of(environment))):
-                pictures = [rendered(subject, f"{folder}/{name}-{len(row)}-{i}.exr", light=words) for i, subject in enumerate((measured, model))]
+                pictures = [rendered(subject, f"{folder}/{name}-{len(row)}-{i}.exr", light=words)
+                            for i, subject in enumerate((measured, model))]
                 pictures.append(drawn(page, glb, lights, texels))
                 reference, surface, three = (picture[inside] for picture in pictures)
                 kind = "lights" if texels is None else "environment"
@@ -115,7 +118,8 @@ with tempfile.TemporaryDirectory() as folder:
         srbf("export", BRUSHED, "--to", "glb", "-o", f"{folder}/brushed.glb")
         ours, three = rendered(BRUSHED, f"{folder}/brushed.exr", light=THREE), drawn(page, f"{folder}/brushed.glb", LIGHTS, None)
         expect_brushed("three.js", delta_e(three[inside], ours[inside]))
-        rows.append(np.concatenate([displayed(picture, exposure(ours[inside])) for picture in (0 * ours, ours, three, *3 * [0 * ours])], axis=1))
+        rows.append(np.concatenate([displayed(picture, exposure(ours[inside])) for picture in (0 * ours, ours, three, *3 * [0 * ours])],
+                                   axis=1))
     finally:
         page.close()
 if further:

@@ -5,14 +5,14 @@ Both draw spheres of the film and the paper. Checks:
   - Under four lamps, and under an ambient light, both renderers draw the same picture.
   - Under a rectangular light, both draw nearly the same picture.
   - Under three environments, each picture agrees with a path-traced picture, in means of 4 x 4 pixels.
-  - With WebGPURenderer, a cube texture of the studio, and the filtered map that three.js makes of the studio, give nearly the same picture as
-    the studio itself.
+  - With WebGPURenderer, a cube texture of the studio, and the filtered map that three.js makes of the studio, give nearly the same picture
+    as the studio itself.
   - A second material on the page is independent of the first.
   - A material that is saved and loaded draws the same picture.
 
 The test prints the processor time of frames of 256 x 256 pixels, which other programs on the machine hardly change.
-Usage: three_webgpu.py PROGRAM DATA, with the files of three.js in peers/ beside DATA. The test needs the packages numpy and openexr of PyPI.
-It is skipped if one of these is missing.
+Usage: three_webgpu.py PROGRAM DATA, with the files of three.js in peers/ beside DATA. The test needs the packages numpy and openexr of
+PyPI. It is skipped if one of these is missing.
 """
 import importlib.util
 import json
@@ -29,7 +29,8 @@ from support.surface_drawing import DISTANCE, ELEVATION, FIELD, SIZE, coarse, dr
 
 SWIFTSHADER = ["--use-gl=angle", "--use-angle=swiftshader", "--ignore-gpu-blocklist", "--enable-unsafe-swiftshader"]
 RENDERERS = {"WebGLRenderer": ("three", SWIFTSHADER, ("module", "core"), {"three": "./three.module.js"}),
-             "WebGPURenderer": ("three-webgpu", WEBGPU, ("webgpu", "core", "tsl"), {"three/webgpu": "./three.webgpu.js", "three/tsl": "./three.tsl.js"})}
+             "WebGPURenderer": ("three-webgpu", WEBGPU, ("webgpu", "core", "tsl"),
+                                {"three/webgpu": "./three.webgpu.js", "three/tsl": "./three.tsl.js"})}
 ENVIRONMENTS = {"studio": 8, "lobby": 3, "sunset": 3}  # and the ΔE_ITP against path tracing
 LIGHTS = {"lamps": 0.01, "rectangle": 2, "ambient": 0.01}  # and the ΔE_ITP between the renderers; their lobes differ
 OTHERS = {"cube": 1, "map": 30}  # textures that hold the studio, and how far pictures may be from those by the equirectangular one
@@ -141,7 +142,8 @@ with tempfile.TemporaryDirectory() as name:
             for light, text in texels.items():
                 (site / f"{light}.json").write_text(text)
             texts = {"ENVIRONMENTS": json.dumps(list(ENVIRONMENTS)), "IMPORTS": json.dumps(imports), "LIBRARY": next(iter(imports)),
-                     "FIELD": str(math.degrees(FIELD)), "SIZE": str(SIZE), "EYE": str([0, DISTANCE * math.sin(ELEVATION), DISTANCE * math.cos(ELEVATION)])}
+                     "FIELD": str(math.degrees(FIELD)), "SIZE": str(SIZE),
+                     "EYE": str([0, DISTANCE * math.sin(ELEVATION), DISTANCE * math.cos(ELEVATION)])}
             page = PAGE
             for word, text in texts.items():
                 page = page.replace(word, text)

@@ -110,7 +110,8 @@ def with_webgl():
     phone = chromium.run("[document.documentElement.scrollWidth, innerWidth]")
     under_environments(visit)
     read = read_environment(chromium)
-    answers = {"pictures": visit.pictures, "problems": chromium.problems, "requests": chromium.requests, "phone": phone, "labels": labels, "read": read,
+    answers = {"pictures": visit.pictures, "problems": chromium.problems, "requests": chromium.requests, "phone": phone, "labels": labels,
+               "read": read,
                "refused": refused_environments(chromium)}
     chromium.close()
     return answers
@@ -175,7 +176,8 @@ def read_environment(chromium):
     while chromium.run("document.forms[0].environment.value") != "file" and time.time() < end:
         chromium.settle()
     chromium.run("viewer.settled()")
-    return [*chromium.run("reading"), chromium.run("document.forms[0].environment.value"), chromium.run("document.getElementById('busy').innerText")]
+    return [*chromium.run("reading"), chromium.run("document.forms[0].environment.value"),
+            chromium.run("document.getElementById('busy').innerText")]
 
 
 def refused_environments(chromium):
@@ -189,7 +191,8 @@ def refused_environments(chromium):
             chromium.settle()
         return text
 
-    for name, size, content in (("text.hdr", 0, "no environment"), ("cut.hdr", 0, "#?RADIANCE\n\n-Y 4 +X 8\nxxx 40 bytes or more, but not 128 of them"),
+    for name, size, content in (("text.hdr", 0, "no environment"),
+                                ("cut.hdr", 0, "#?RADIANCE\n\n-Y 4 +X 8\nxxx 40 bytes or more, but not 128 of them"),
                                 ("cut.exr", 0, "\x76\x2f\x31\x01\x02"), ("huge.hdr", 4 << 30, "#?")):
         give(chromium, name, content, size)
         said[name] = says(lambda text: text)

@@ -59,7 +59,7 @@ def scene_of(bsdf, lights, vertices):
 
 
 def drawn(scene, seed, paths=PATHS):
-    """Processor time of a picture [s], and the picture: means of colour, luminance and its square over the paths of a pixel."""
+    """Returns the processor time of a picture [s], and the picture: means of colour, luminance and its square over a pixel's paths."""
     begin = time.process_time()
     picture = mi.render(scene, spp=paths, seed=seed)
     took = time.process_time() - begin

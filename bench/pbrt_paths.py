@@ -39,7 +39,7 @@ def prepare(program, file, folder):
 
 
 def drawn(pbrt, material, paths, seed, folder):
-    """Processor time of a picture [s], and its colours."""
+    """Returns the processor time of a picture [s], and its colours."""
     text = SCENE.read_text()
     for old, new in ((MATERIALS["srbf, fit"], material), ("ball.png", "ball.pfm"),
                      ('"independent" "integer pixelsamples" 64', f'"independent" "integer pixelsamples" {paths} "integer seed" {seed}')):

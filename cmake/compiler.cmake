@@ -13,8 +13,8 @@ set(SRBF_COMPILED_ONCE ON)
 if(CCACHE AND NOT DEFINED ENV{CCACHE_DISABLE})
   set(SRBF_COMPILED_ONCE OFF)
 endif()
-# use_unity_build(TARGET..): compiles several sources as one, so that shared headers are read and instantiated only a few times. Names
-# in unnamed namespaces must be distinct within a target.
+# use_unity_build(TARGET..): compiles several sources as one, so that shared headers are read and instantiated only a
+# few times. Names in unnamed namespaces must be distinct within a target.
 function(use_unity_build)
   if(SRBF_COMPILED_ONCE)
     set_target_properties(${ARGN} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 24)

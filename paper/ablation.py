@@ -43,7 +43,7 @@ COLUMNS = {
 
 
 def read():
-    """The errors of each row, by file, setting and seed."""
+    """Returns the errors of each row, by file, setting and seed."""
     if not os.path.exists(CSV):
         return {}
     with open(CSV, encoding="utf-8") as file:
@@ -70,7 +70,7 @@ def add_rows(program, paths):
 
 
 def ablation_table(rows):
-    """Means over the files: the least and the largest of the seeds."""
+    """Returns the means over the files that are least and largest among the seeds."""
     materials, lines = sorted({name for name, _, _ in rows}), []
     for name, setting in TERMS.items():
         line = [name]

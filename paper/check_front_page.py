@@ -50,7 +50,7 @@ def page(path):
 
 
 def rows_of(path):
-    """The rows of a page's tables, as cells by the heads of their columns, and by numbers from 0."""
+    """Returns the rows of a page's tables. Their cells are found by the heads of their columns, and by numbers from 0."""
     rows, head = [], None
     for line in page(path).splitlines():
         cells = [cell.strip() for cell in line.strip("|").split("|")] if line.startswith("|") else None
@@ -61,7 +61,7 @@ def rows_of(path):
 
 
 def row_of(path, name):
-    """The row with this name, or the first whose name begins with it."""
+    """Returns the row with this name, or the first row whose name begins with it."""
     rows = [(row[0].replace("*", ""), row) for row in rows_of(path)]
     for is_named in (lambda text: text == name, lambda text: text.startswith((name + ":", name + ","))):
         for text, row in rows:
@@ -71,7 +71,7 @@ def row_of(path, name):
 
 
 def fitted(program, folder):
-    """ΔE_ITP against the file, against the reciprocal mean, and bytes, by options, file and seed."""
+    """Returns ΔE_ITP against the file, ΔE_ITP against the reciprocal mean, and bytes, by options, file and seed."""
     paths = [os.path.join(folder, name + "_rgb.bsdf") for name in FILES]
     for path in paths:
         if not os.path.exists(path):
@@ -89,7 +89,7 @@ def fitted(program, folder):
 
 
 class Errors:
-    """Errors of fits by options and file, one for each seed, and their means over files."""
+    """Returns errors of fits by options and file, one for each seed, and their means over files."""
 
     def __init__(self, fits):
         self.fits = fits
@@ -129,7 +129,7 @@ def numbers_of_seeds(errors):
 
 
 def numbers_of_abstract(errors):
-    """Numbers that the abstract must contain."""
+    """Returns the numbers that the abstract must contain."""
     abstract = next(part for part in page(PAPER).split("\n\n") if part.startswith("**Abstract.**"))
     for name, value in (("nine lobes, medians", errors.mean_of_medians(DEFAULT, FILES)), ("two GGX lobes", errors.mean(GGX, FILES))):
         yield PAPER, f"abstract, {name}", f"{value:.1f}" if f"{value:.1f}" in NUMBER.findall(abstract) else "none", value

@@ -1,5 +1,5 @@
-"""docs/edits.jpg: python3 docs/figures/edits.py SRBF OUT.jpg. Ten edits of ready models, in seven steps each. The program edits and draws
-the models under its studio light; Chromium sets the text, and a frame about the ball that is not edited."""
+"""Draws docs/edits.jpg: python3 docs/figures/edits.py SRBF OUT.jpg. It shows ten edits of ready models, in seven steps each. The program
+edits and draws the models under its studio light; Chromium sets the text, and a frame about the ball that is not edited."""
 import os
 import subprocess
 import sys

@@ -1,6 +1,6 @@
-"""The ready models and what they are: python3 docs/figures/gallery.py OUT.jpg, where OUT.jpg is data/gallery/gallery.jpg. The page that
-fits, build/srbf.html, draws each model of data/gallery as it first shows it; Chromium sets the kinds, which the table of data/README.md
-has. Measured materials come first. The page shows the balls alone (web/site.mjs knows PANEL and ROW)."""
+"""Draws the ready models and names their kinds: python3 docs/figures/gallery.py OUT.jpg, where OUT.jpg is data/gallery/gallery.jpg. The
+page that fits, build/srbf.html, draws each model of data/gallery as it first shows it; Chromium sets the kinds, which the table of
+data/README.md has. Measured materials come first. The page shows the balls alone (web/site.mjs knows PANEL and ROW)."""
 import glob
 import os
 import re

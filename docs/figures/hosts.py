@@ -1,5 +1,8 @@
-"""docs/surface_hosts.png: python3 docs/figures/hosts.py THREE.png CYCLES.png, the pictures that test/hosts/three_gltf.py and
-test/hosts/principled.py write as PICTURE, beside each other under the names of what they show. Chromium sets the text."""
+"""Draws docs/surface_hosts.png: python3 docs/figures/hosts.py THREE.png CYCLES.png.
+
+THREE.png and CYCLES.png are the pictures that test/hosts/three_gltf.py and test/hosts/principled.py write as PICTURE. They stand beside
+each other, under the names of what they show. Chromium sets the text.
+"""
 import os
 import sys
 
@@ -19,7 +22,7 @@ STYLE = f"""body {{ margin: 0; background: #fff; color: #222; font: 17px DejaVu 
 
 
 def cell(picture, column, row):
-    """A panel of a picture."""
+    """Returns a panel of a picture."""
     return f'<td><svg width="{PANEL}" height="{PANEL}"><image href="file://{picture}" x="{-column * PANEL}" y="{-row * PANEL}"/></svg></td>'
 
 

@@ -1,6 +1,8 @@
-"""docs/limits.jpg: python3 docs/figures/limits.py SRBF SUNFLOWER OBSIDIAN OUT.jpg. What one sees of the errors of three fits: of the
-bundled film, of RGL's cg_sunflower, and of black obsidian, a stand-in (paper/stand_ins.py). Spheres under three lamps; Chromium sets the
-text."""
+"""Draws docs/limits.jpg: python3 docs/figures/limits.py SRBF SUNFLOWER OBSIDIAN OUT.jpg.
+
+The picture shows the errors of three fits on spheres under three lamps. The materials are the bundled film, RGL's cg_sunflower, and black
+obsidian, which is a stand-in (paper/stand_ins.py). Chromium sets the text.
+"""
 import os
 import subprocess
 import sys

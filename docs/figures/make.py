@@ -1,4 +1,5 @@
-"""The picture of the front page: python3 docs/figures/make.py SRBF OUT.jpg [YELLOW SUNFLOWER] [--compose], as `./run figures` calls it.
+"""Draws the picture of the front page: python3 docs/figures/make.py SRBF OUT.jpg [YELLOW SUNFLOWER] [--compose], as `./run figures` calls
+it.
 
 The bundled film and paper, each measured, fitted by srbf and fitted by Lambert and two GGX lobes, on the same object under three lamps,
 with the visible error of each fit; between them two more films, if their files are given. Those of docs/front.jpg are vch_golden_yellow

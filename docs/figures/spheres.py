@@ -38,8 +38,8 @@ def table_of(function, path, polar=180, azimuths=361):
 
 
 def sphere(brdf, measured, light, size):
-    """A picture of `brdf` as HTML, with the exposure that sets the 90th percentile of the measured one to 3/4 of white; twice as large as
-    shown."""
+    """Returns a picture of `brdf` as HTML, twice as large as it is shown. The exposure sets the 90th percentile of the measured picture to
+    3/4 of white."""
     reference = srbf.render(measured, light, 2 * size).max(axis=2)
     picture = srbf.render(brdf, light, 2 * size) * 0.75 / np.quantile(reference[reference > 0], 0.9)
     return f'<img width={size} src="data:image/png;base64,{base64.b64encode(srbf.png(picture)).decode()}">'

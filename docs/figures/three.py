@@ -1,5 +1,6 @@
-"""docs/tutorials/three_spheres.png: python3 docs/figures/three.py SRBF THREE, a folder with three.js of release 187. Needs numpy, openexr
-and pillow of PyPI.
+"""Draws docs/tutorials/three_spheres.png: python3 docs/figures/three.py SRBF THREE.
+
+THREE is a folder with three.js of release 187. The script needs numpy, openexr and pillow of PyPI.
 
 The film under three distant lights and under data/studio.hdr: the measurement by path tracing, the exported material, and the
 MeshStandardMaterial whose colour, roughness and metalness have the least visible error in this picture, found by a search. Chromium draws
@@ -71,7 +72,7 @@ def on_sphere():
 
 
 def best(error):
-    """The numbers from 0 to 1 with the least error: steps along each, halved when none helps."""
+    """Returns the numbers from 0 to 1 with the least error. The search steps along each number, and halves the steps when none helps."""
     numbers, step = np.array([0.5, 0.4, 0.4, 0.4, 1]), 0.2
     least = error(numbers)
     while step > FINE:
@@ -90,7 +91,7 @@ def drawn(page, numbers="null"):
 
 
 def row(page, reference, inside):
-    """The panels of a row: a name and a picture each."""
+    """Returns the panels of a row, each with a name and a picture."""
     error = lambda picture: delta_e(picture[inside], reference[inside])
     film = drawn(page)
     numbers, least = best(lambda guess: error(drawn(page, guess.tolist())))

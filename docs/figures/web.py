@@ -1,5 +1,5 @@
-"""docs/web.jpg: python3 docs/figures/web.py. Chromium opens the page that fits, data/ready/srbf.html, clicks the ball of the film, and
-makes its highlight rougher."""
+"""Draws docs/web.jpg: python3 docs/figures/web.py. Chromium opens the page that fits, data/ready/srbf.html, clicks the ball of the film,
+and makes its highlight rougher."""
 import os
 import sys
 import time

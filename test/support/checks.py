@@ -1,4 +1,4 @@
-"""Checks of the scripts of test/hosts, which print a line each, and the arguments of these scripts."""
+"""Functions of the scripts of test/hosts: checks, each of which prints a line, and the scripts' arguments."""
 import os
 import subprocess
 import sys

@@ -1,5 +1,8 @@
-"""python3 three.py FOLDER: renders the scenes of FOLDER/scenes.json with three.js, which is in the folder with what a page needs;
-the picture of scene i as FOLDER/i.rgba, rows from the top, and one of the page of examples/ as FOLDER/example.png."""
+"""python3 three.py FOLDER: renders the scenes of FOLDER/scenes.json with three.js.
+
+FOLDER contains three.js and the other files that a page needs. The script writes the picture of scene i as FOLDER/i.rgba, with the top row
+first, and a picture of the page of examples/ as FOLDER/example.png.
+"""
 import base64
 import json
 import os

@@ -1,5 +1,8 @@
-"""python3 three_map.py FOLDER: renders a plane of 2 x 2 about the origin, which faces +z, by each scene of FOLDER/scenes.json with
-three.js, which is in the folder with what a page needs; the radiance of scene i as FOLDER/i.rgba, in 32-bit floats, rows from the top."""
+"""python3 three_map.py FOLDER: renders each scene of FOLDER/scenes.json with three.js.
+
+A scene shows a plane of 2 x 2 about the origin, which faces +z. FOLDER contains three.js and the other files that a page needs. The script
+writes the radiance of scene i as FOLDER/i.rgba, in 32-bit floats, with the top row first.
+"""
 import base64
 import json
 import os

@@ -1,5 +1,7 @@
-"""A folder with three.js as a site, and a page in Chromium that can import of it; the program ends with status 77 where there is no
-Chromium or none with WebGL 2, which standard output says."""
+"""Serves a folder with three.js as a site, and opens a page in Chromium that can import modules from it.
+
+Exit status 77: there is no Chromium, or none with WebGL 2. Standard output says which.
+"""
 import os
 import sys
 

@@ -1,6 +1,7 @@
-"""python3 page.py PAGE.html FOLDER: what a user does with the page; its pictures and what it says of them, into FOLDER.
+"""python3 page.py PAGE.html FOLDER: does what a user does with the page, and writes its pictures and its texts about them into FOLDER.
 
-Exit status 77: there is no Chromium, or none with WebGL 2; standard output says which."""
+Exit status 77: there is no Chromium, or none with WebGL 2. Standard output says which.
+"""
 import base64
 import json
 import os
@@ -121,7 +122,7 @@ CHOOSE = "document.forms[0].environment.dispatchEvent(new Event('input', {bubble
 
 
 def under_environments(visit):
-    """Pictures once they are means of samples alone."""
+    """Returns the pictures once they are means of samples alone."""
     chromium = visit.chromium
 
     def converged(step):

@@ -1,6 +1,11 @@
-"""python3 report_page.py GALLERY.html PAGE.html...: prints how a browser renders a report's pages, as JSON: problems, requests, the numbers
-of pictures and of plots on each page, the number of blank pictures, by how many pixels pages are wider than the window of a desktop and of
-a phone, and the order of the gallery's materials after a click.
+"""python3 report_page.py GALLERY.html PAGE.html...: prints as JSON how a browser renders a report's pages.
+
+The output contains:
+  - problems and requests
+  - the numbers of pictures and of plots on each page
+  - the number of blank pictures
+  - by how many pixels the pages are wider than the window of a desktop and that of a phone
+  - the order of the gallery's materials after a click
 
 Exit status 77: Chromium is not installed."""
 import json

@@ -70,7 +70,7 @@ def add_rows(program, paths):
 
 
 def ablation_table(rows):
-    """Returns the means over the files that are least and largest among the seeds."""
+    """Returns the table of the means over the files, each as the least and the largest of the seeds."""
     materials, lines = sorted({name for name, _, _ in rows}), []
     for name, setting in TERMS.items():
         line = [name]

@@ -1,9 +1,9 @@
-"""Draws the picture of the front page: python3 docs/figures/make.py SRBF OUT.jpg [YELLOW SUNFLOWER] [--compose], as `./run figures` calls
-it.
+"""Draws the picture of the front page: python3 docs/figures/make.py SRBF OUT.jpg [YELLOW SUNFLOWER] [--compose]
 
-The bundled film and paper, each measured, fitted by srbf and fitted by Lambert and two GGX lobes, on the same object under three lamps,
-with the visible error of each fit; between them two more films, if their files are given. Those of docs/front.jpg are vch_golden_yellow
-and cg_sunflower of the RGL database. Chromium sets the text. With --compose only the text is set, about pictures drawn before.
+`./run figures` calls this script. The picture shows the bundled film and paper, each measured, fitted by srbf, and fitted by Lambert and
+two GGX lobes, on the same object under three lamps, with the visible error of each fit. Two more films stand between them if their files
+are given. Those of docs/front.jpg are vch_golden_yellow and cg_sunflower of the RGL database. Chromium sets the text. With --compose only
+the text is set, about pictures drawn before.
 """
 import json
 import os

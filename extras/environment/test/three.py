@@ -140,7 +140,7 @@ blend = chromium.run("""(() => {
     const halved = new materials.FilmMaterial(), patched = halved.onBeforeCompile;
     halved.onBeforeCompile = (shader, renderer) => {
         patched(shader, renderer);
-        shader.fragmentShader = shader.fragmentShader.replace('#include <opaque_fragment>', 'outgoingLight *= 0.5;\n$&');
+        shader.fragmentShader = shader.fragmentShader.replace('#include <opaque_fragment>', 'outgoingLight *= 0.5;\\n$&');
     };
     found.own_function = relative_difference(picture(halved), single[0].map((x, i) => i % 4 < 3 ? 0.5 * x : x));
     const blended = new BlendMaterial(film, ggx, lambert, { shares: [0.2, 0.3, 0.5] });

@@ -7,6 +7,7 @@
 
 #include "brdf/directions.h"
 #include "fit/request_traits.h"
+#include "properties.h"
 
 namespace srbf::fit_options_test {
 namespace {

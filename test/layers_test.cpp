@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "properties.h"
+
 namespace srbf::layers_test {
 namespace {
 

@@ -112,12 +112,6 @@ Option Subcommand::add_flag(const std::string& names, std::function<void()> when
                             const std::string& about) const {
     return Option(app_->add_flag_callback(names, std::move(when_given), about)->disable_flag_override());
 }
-std::vector<std::string> Subcommand::given() const {
-    std::vector<std::string> names;
-    for (const CLI::Option* option : app_->get_options())
-        if (option->count() > 0) names.push_back(option->get_name());
-    return names;
-}
 std::string Subcommand::settings(const std::vector<Option>& besides) const {
     std::string text;
     for (CLI::Option* option : app_->get_options()) {

@@ -78,9 +78,6 @@ class Subcommand {
     Option add_flag(const std::string& names, std::function<void(int)> take, const std::string& about) const;
     Option add_flag(const std::string& names, std::function<void()> when_given, const std::string& about) const;
 
-    /// The options that were on the command line, by their longest names.
-    std::vector<std::string> given() const;
-
     /// The settings that a result depends on: the options on the command line with their texts, except those in
     /// `besides` and those that equal their default.
     std::string settings(const std::vector<Option>& besides) const;

@@ -26,7 +26,7 @@ std::string accepted(const FitOptionRow& option) {
     return option.expected.substr(0, option.expected.find(' '));
 }
 
-TEST(PmFitOptions, AcceptTheirTextsAndRefuseOthersByName) {
+TEST(OptionsOfAFit, AcceptTheirTextsAndRefuseOthersByName) {
     for (const FitOptionRow& option : fit_options()) {
         EXPECT_TRUE(fit_request(with(option, accepted(option))).ok()) << option.name;
         for (const char* text : {"", "nan", "-1", "1e99", "no such word"}) {
@@ -44,7 +44,7 @@ TEST(PmFitOptions, AcceptTheirTextsAndRefuseOthersByName) {
     }
 }
 
-TEST(PmFitOptions, AreReadByTheirModelsAlone) {
+TEST(OptionsOfAFit, AreReadByTheirModelsAlone) {
     for (const FitOptionRow& option : fit_options())
         for (const std::string_view model : k_model_names) {
             FitTexts texts = with(option, accepted(option));
@@ -59,7 +59,7 @@ TEST(PmFitOptions, AreReadByTheirModelsAlone) {
         }
 }
 
-TEST(PmFitOptions, SetWhatTheyName) {
+TEST(OptionsOfAFit, SetWhatTheyName) {
     const auto request = checked(fit_request({{"lobes", "3"},
                                               {"variates", "2"},
                                               {"axial", "false"},
@@ -77,7 +77,7 @@ TEST(PmFitOptions, SetWhatTheyName) {
     EXPECT_TRUE(std::holds_alternative<AutomaticLobes>(*std::get<PmRequest>(automatic->model).size));
 }
 
-TEST(PmFitOptions, ExcludeEachOtherInTheSpellingOfWhoeverGivesThem) {
+TEST(OptionsOfAFit, ExcludeEachOtherInTheSpellingOfWhoeverGivesThem) {
     const Spelling loud = [](std::string_view name) { return "<" + std::string(name) + ">"; };
     const std::pair<FitTexts, std::string> wrong[] = {
         {{{"target_delta_e", "3"}, {"lobes", "3"}},

@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "brdf/directions.h"
+#include "fit/patch_fit.h"
 #include "fit/request_traits.h"
 #include "models/openpbr/openpbr_parameters.h"
 #include "models/su/su_functions.h"
@@ -71,6 +72,17 @@ FitOptionRow flag(FitOptionRow option, void (*set)(FitRequest&, bool)) {
     return option;
 }
 
+/// `option`, which the provenance of a model states.
+FitOptionRow stated(FitOptionRow option, std::string (*state)(const FitRequest&)) {
+    option.state = state;
+    return option;
+}
+/// `option`, which fits to patches do not read without what `needed` names.
+FitOptionRow unread(FitOptionRow option, std::string_view (*needed)(const FitRequest&)) {
+    option.needed_for_patches = needed;
+    return option;
+}
+
 template <typename T> std::string preset(const T& value) { return fmt::format("{}", value); }
 const FitRequest k_request{};
 const SuRequest k_su{};
@@ -105,6 +117,11 @@ FitOptionRow form() {
                 names, [](FitRequest& r, Text text) { return store(form_named(text), pm(r).form); });
 }
 
+/// Patches are fitted to their sums; view by view, to values.
+Text needs_values(const FitRequest& request) {
+    return std::holds_alternative<SuRequest>(request.model) ? "" : "a table or samples";
+}
+
 /// The losses that a fit may minimise.
 FitOptionRow objective() {
     std::string about = "What the fit minimises:";
@@ -113,8 +130,10 @@ FitOptionRow objective() {
         names.push_back(name(objective));
         about += fmt::format("\n{}: {}", name(objective), summary(objective));
     }
-    return word({"objective", k_all, "NAME", about, preset(name(k_request.objective))}, names,
-                [](FitRequest& r, Text text) { return store(objective_named(text), r.objective); });
+    return unread(stated(word({"objective", k_all, "NAME", about, preset(name(k_request.objective))}, names,
+                              [](FitRequest& r, Text text) { return store(objective_named(text), r.objective); }),
+                         [](const FitRequest& r) { return std::string(name(r.objective)); }),
+                  needs_values);
 }
 std::string default_angles() {
     std::vector<std::string> angles;
@@ -142,12 +161,16 @@ std::vector<FitOptionRow> all_options() {
                                k_min_albedo_limit, k_max_albedo_limit,
                                [](FitRequest& r, double albedo) { pm(r).albedo_limit = albedo; }),
                 "none", [](FitRequest& r) { pm(r).albedo_limit = std::numeric_limits<double>::infinity(); }),
-        number<int>(
-            {"variates", k_of_pm, "N",
-             fmt::format("Number of variates, the factors of a lobe, 1 to {}. Default: {}; {} in forms that are "
-                         "not reciprocal",
-                         k_max_variates, row_of(k_default_form).variates, row_of(PmForm::extended).variates)},
-            1, k_max_variates, [](FitRequest& r, int n) { pm(r).variates = n; }),
+        unread(number<int>(
+                   {"variates", k_of_pm, "N",
+                    fmt::format("Number of variates, the factors of a lobe, 1 to {}. Default: {}; {} in forms that are "
+                                "not reciprocal",
+                                k_max_variates, row_of(k_default_form).variates, row_of(PmForm::extended).variates)},
+                   1, k_max_variates, [](FitRequest& r, int n) { pm(r).variates = n; }),
+               [](const FitRequest& r) -> Text {
+                   const auto* pm = std::get_if<PmRequest>(&r.model);
+                   return pm && !pm->size ? "a number of lobes as well" : "";
+               }),
         flag({.name = "axial",
               .models = k_of_pm,
               .about = "Centres only at +z or -z; or general centres, which take 4 J N more bytes.\n"
@@ -167,11 +190,13 @@ std::vector<FitOptionRow> all_options() {
         number<int>({"lobes", k_of_ggx, "J"}, 1, k_max_ggx_lobes,
                     [](FitRequest& r, int n) { std::get<GgxRequest>(r.model).lobes = n; }),
         objective(),
-        number<double>({"max_theta", k_all, "DEG",
-                        fmt::format("Largest angle from the normal in the fit and in all errors,\n1 to 89.9 degrees; "
-                                    "default: {}",
-                                    default_angles())},
-                       1, 89.9, [](FitRequest& r, double degrees) { r.max_theta = degrees * k_degree; }),
+        unread(stated(number<double>({"max_theta", k_all, "DEG",
+                                      fmt::format("Largest angle from the normal in the fit and in all errors,\n1 to "
+                                                  "89.9 degrees; default: {}",
+                                                  default_angles())},
+                                     1, 89.9, [](FitRequest& r, double degrees) { r.max_theta = degrees * k_degree; }),
+                      [](const FitRequest& r) { return fmt::format("{:.6g}", r.theta() / k_degree); }),
+               needs_values),
         word({"discretise", k_of_su, "view|light", "The sampled direction; lobes are functions of the other one",
               preset(name(k_su.discretise))},
              Words{"view", "light"},
@@ -190,23 +215,26 @@ std::vector<FitOptionRow> all_options() {
                 "rotated", [](FitRequest& r) { su(r).interpolation = SuInterpolation::rotated; }),
         word({"with_index", k_of_su, "cube|parabolic", "Store an index texture, the samples nearest to each direction"},
              Words{"cube", "parabolic"}, [](FitRequest& r, Text text) { return store(map_named(text), su(r).index); }),
-        word({"channels", k_all, "NAME",
-              "rgb: colours; spectral: lobes with a coefficient for each wavelength of the measurement", "rgb"},
-             Words{"rgb", "spectral"},
-             [](FitRequest& r, Text text) {
-                 r.spectral = text == "spectral";
-                 return r.spectral || text == "rgb";
-             }),
-        number<double>({"target_delta_e", k_of_pm, "E",
-                        fmt::format("pm: the fewest of up to {} lobes with at most this visible error against what is "
-                                    "fitted, the\nmean Delta E (ITP) of pictures of a sphere, where 1 is just "
-                                    "noticeable",
-                                    *std::ranges::max_element(k_tried_lobes))},
-                       k_finest_delta_e, k_max_delta_e,
-                       [](FitRequest& r, double e) { pm(r).size = AutomaticLobes{e}; }),
-        number<std::uint64_t>({"seed", k_all, "SEED", "Seed of the random numbers", preset(k_request.seed)}, 0,
-                              std::numeric_limits<std::uint64_t>::max(),
-                              [](FitRequest& r, std::uint64_t seed) { r.seed = seed; }),
+        unread(word({"channels", k_all, "NAME",
+                     "rgb: colours; spectral: lobes with a coefficient for each wavelength of the measurement", "rgb"},
+                    Words{"rgb", "spectral"},
+                    [](FitRequest& r, Text text) {
+                        r.spectral = text == "spectral";
+                        return r.spectral || text == "rgb";
+                    }),
+               [](const FitRequest& r) -> Text { return r.spectral ? "rgb" : ""; }),
+        unread(number<double>(
+                   {"target_delta_e", k_of_pm, "E",
+                    fmt::format("pm: the fewest of up to {} lobes with at most this visible error against "
+                                "what is fitted, the\nmean Delta E (ITP) of pictures of a sphere, where 1 is "
+                                "just noticeable",
+                                *std::ranges::max_element(k_tried_lobes))},
+                   k_finest_delta_e, k_max_delta_e, [](FitRequest& r, double e) { pm(r).size = AutomaticLobes{e}; }),
+               [](const FitRequest&) -> Text { return "a table of values"; }),
+        stated(number<std::uint64_t>({"seed", k_all, "SEED", "Seed of the random numbers", preset(k_request.seed)}, 0,
+                                     std::numeric_limits<std::uint64_t>::max(),
+                                     [](FitRequest& r, std::uint64_t seed) { r.seed = seed; }),
+               [](const FitRequest& r) { return fmt::format("{}", r.seed); }),
         number<int>({"threads", k_all, "T", "Number of threads; 0: all of the machine. The model does not depend on it",
                      preset(k_request.threads)},
                     0, k_max_threads, [](FitRequest& r, int n) { r.threads = n; }),
@@ -276,6 +304,21 @@ Result<FitRequest> fit_request(const FitTexts& texts, const Spelling& spelling) 
         if (const auto reads = check_reads(name, model_name(request), spelled); !reads) return reads.error();
     if (const auto valid = check_together(request, texts, spelled); !valid) return valid.error();
     return request;
+}
+
+Result<Done> check_read(const Measured& measured, const FitRequest& request, const FitTexts& texts,
+                        const Spelling& spelled) {
+    const PatchFitter* patches = nullptr;
+    if (const auto* bsdf = std::get_if<BsdfTable>(&measured.table))
+        for (const auto& part : bsdf->band().part)
+            if (part && patch_fit_of(*part)) patches = patch_fit_of(*part);
+    if (!patches) return Done{};
+    for (const FitOptionRow& option : fit_options()) {
+        if (!option.needed_for_patches || !texts.contains(option.name)) continue;
+        const Text needed = option.needed_for_patches(request);
+        if (!needed.empty()) return wrong(spelled(option.name), std::string(needed), std::string(patches->fitted));
+    }
+    return Done{};
 }
 
 }  // namespace

@@ -43,13 +43,8 @@ Result<ProgressToken> FittedData::smooth(const FitRequest& request, const Progre
     return progress.subrange(k_smoothed, 1);
 }
 
-FittedData::Key FittedData::key(const FitRequest& request) const {
-    return {request.objective,
-            request.theta(),
-            request.seed,
-            request.spectral,
-            samples() && std::holds_alternative<PmRequest>(request.model),
-            fits_mean(request)};
+ObservationKey FittedData::key(const FitRequest& request) const {
+    return observation_key(request, samples() != nullptr, fits_mean(request));
 }
 
 Result<const Observations*> FittedData::observations(const FitRequest& request, const ProgressToken& progress) {

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "fit/noise.h"
+#include "fit/requests.h"
 #include "observe/observations.h"
 #include "samples/observe_samples.h"
 #include "srbf/fit.h"
@@ -41,21 +42,13 @@ class FittedData {
     Result<Evaluate> gap_filled(const FitRequest& request) const;
 
   private:
-    /// All that observations depend on.
-    struct Key {
-        Objective objective;
-        double max_theta;
-        std::uint64_t seed;
-        bool is_spectral, fills_gaps, is_mean;
-        auto operator<=>(const Key&) const = default;
-    };
-    Key key(const FitRequest& request) const;
+    ObservationKey key(const FitRequest& request) const;
 
     const Measured* measured_;
     Evaluate signed_, values_, smoothed_ = nullptr;
     std::optional<Noise> noise_;
-    std::map<Key, Observations> observations_;
-    std::map<Key, SampleObservations> sample_observations_;
+    std::map<ObservationKey, Observations> observations_;
+    std::map<ObservationKey, SampleObservations> sample_observations_;
     std::map<double, bool> isotropic_;  ///< the keys are θmax
 };
 

@@ -41,6 +41,31 @@ inline PmFitOptions pm_options(const FitRequest& request, bool axial, PmForm for
             .threads = request.threads};
 }
 
+inline SuFitOptions su_options(const FitRequest& request) {
+    const SuRequest& su = std::get<SuRequest>(request.model);
+    return {.lobes = su.lobes,
+            .objective = request.objective,
+            .max_theta = request.theta(),
+            .interpolation = su.interpolation,
+            .neighbours = su.neighbours,
+            .seed = request.seed,
+            .threads = request.threads};
+}
+
+/// All that observations depend on.
+struct ObservationKey {
+    Objective objective;
+    double max_theta;
+    std::uint64_t seed;
+    bool is_spectral, fills_gaps, is_mean;
+    auto operator<=>(const ObservationKey&) const = default;
+};
+/// `is_mean`: a reciprocal model is fitted, to the mean of a table.
+inline ObservationKey observation_key(const FitRequest& request, bool has_samples, bool is_mean) {
+    const bool fills_gaps = has_samples && std::holds_alternative<PmRequest>(request.model);
+    return {request.objective, request.theta(), request.seed, request.spectral, fills_gaps, is_mean};
+}
+
 /// The model of a fit, and why its search stopped. Returns an error if the fit has one, or if a number is too large for a
 /// file.
 template <typename Fit> Result<FitOutcome> outcome_of(Result<Fit> fit) {

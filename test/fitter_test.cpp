@@ -53,7 +53,7 @@ Measured samples() {
 
 // ---- Defaults ----
 
-struct Bound {
+struct RecordedErrors {
     const char* name;
     double delta_e, rms, albedo_error;  // 1.1 times the errors of version 0.1, which a failure prints
 };
@@ -65,7 +65,7 @@ const FitOutcome& default_fit(const std::string& name) {
     return *(at != made.end() ? at : made.emplace(name, fit(bundled(name), {})).first)->second;
 }
 
-class DefaultFit : public testing::TestWithParam<Bound> {
+class DefaultFit : public testing::TestWithParam<RecordedErrors> {
   public:
     static const FitOutcome& outcome() { return default_fit(GetParam().name); }
 };
@@ -125,8 +125,8 @@ TEST_P(DefaultFit, ReflectsTheMeasuredLightAtGrazingAngles) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Bundled, DefaultFit,
-                         testing::Values(Bound{"cc_ibiza_sunset_rgb", 6.13, 0.1233, 0.1527},
-                                         Bound{"paper_white_rgb", 1.43, 0.0916, 0.0104}),
+                         testing::Values(RecordedErrors{"cc_ibiza_sunset_rgb", 6.13, 0.1233, 0.1527},
+                                         RecordedErrors{"paper_white_rgb", 1.43, 0.0916, 0.0104}),
                          [](const auto& one) { return std::string(one.param.name); });
 
 /// Fits of the film with more lobes, and view by view, stay within their bounds.

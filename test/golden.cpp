@@ -58,7 +58,7 @@ std::string hash_of(Model model) {
 }
 
 /// A row of the table.
-struct Line {
+struct TableRow {
     std::string model, figures;  ///< hashes
     std::string delta_e, error;  ///< to read: mean ΔE_ITP and the held-out error of f cosθl, if available
 };
@@ -78,7 +78,7 @@ std::string digits(double x) {
     return text;
 }
 
-Line line_of(const FitOutcome& outcome) {
+TableRow line_of(const FitOutcome& outcome) {
     Hash figures;
     figures.add(*outcome.errors);
     figures.add(double(outcome.masked)), figures.add(double(outcome.clamped));
@@ -151,18 +151,18 @@ struct Golden {
     FitRequest request(PmRequest pm, Objective objective = k_default_objective) const {
         return {.model = pm, .objective = objective, .threads = threads};
     }
-    Line fitted(const Measured& measured, const FitRequest& fit_request) const {
+    TableRow fitted(const Measured& measured, const FitRequest& fit_request) const {
         return line_of(value_or_fail(fit(measured, fit_request)));
     }
-    Line pm_line(const Measured& measured, int lobes, Objective objective = k_default_objective,
-                 PmRequest pm = {.form = PmForm::extended}) const {
+    TableRow pm_line(const Measured& measured, int lobes, Objective objective = k_default_objective,
+                     PmRequest pm = {.form = PmForm::extended}) const {
         pm.size = LobeCount{lobes};
         return fitted(measured, request(pm, objective));
     }
-    Line su_line(const Measured& measured, SuRequest su, Objective objective) const {
+    TableRow su_line(const Measured& measured, SuRequest su, Objective objective) const {
         return fitted(measured, {.model = su, .objective = objective, .threads = threads});
     }
-    Line bsdf_line() const {
+    TableRow bsdf_line() const {
         const Evaluate front = varnished(0.3f, {0.4f, 0.3f, 0.2f}), back = varnished(0.5f, {0.2f, 0.3f, 0.4f}),
                        through = varnished(0.7f, {0.1f, 0.2f, 0.1f});
         const BsdfOutcome outcome =
@@ -177,7 +177,7 @@ struct Golden {
 
 struct Row {
     const char* name;
-    std::function<Line(const Golden&)> fit;
+    std::function<TableRow(const Golden&)> fit;
 };
 const std::vector<Row>& rows() {
     using G = Golden;
@@ -225,8 +225,8 @@ const std::vector<Row>& rows() {
 }
 
 /// The rows of the table by name. Empty if the file does not exist.
-std::map<std::string, Line> read_table(const std::string& path) {
-    std::map<std::string, Line> table;
+std::map<std::string, TableRow> read_table(const std::string& path) {
+    std::map<std::string, TableRow> table;
     const auto bytes = read_file(path);
     if (!bytes) return table;
     std::istringstream file(std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()));
@@ -234,7 +234,7 @@ std::map<std::string, Line> read_table(const std::string& path) {
     std::getline(file, text);  // the names of the columns
     while (std::getline(file, text)) {
         std::istringstream columns(text);
-        Line line;
+        TableRow line;
         std::getline(columns, name, ',');
         for (std::string* column : {&line.model, &line.figures, &line.delta_e, &line.error})
             std::getline(columns, *column, ',');
@@ -260,18 +260,18 @@ void limit_to(const std::string& name) {
 
 /// Fits the wanted rows and returns how many differ from the table. Appends their lines to `text`, and the table's
 /// lines for the other rows.
-int compare_rows(const Golden& golden, const std::map<std::string, Line>& table,
+int compare_rows(const Golden& golden, const std::map<std::string, TableRow>& table,
                  const std::function<bool(const Row&)>& is_wanted, std::string& text) {
     int differing = 0;
     for (const Row& row : rows()) {
         const auto entry = table.find(row.name);
-        const Line expected = entry == table.end() ? Line{} : entry->second;
+        const TableRow expected = entry == table.end() ? TableRow{} : entry->second;
         const bool is_fitted = is_wanted(row);
-        const Line line = is_fitted ? row.fit(golden) : expected;
+        const TableRow line = is_fitted ? row.fit(golden) : expected;
         text += std::string(row.name) + ',' + line.model + ',' + line.figures + ',' + line.delta_e + ',' + line.error +
                 '\n';
         if (!is_fitted) continue;
-        const auto print = [](const char* label, const Line& printed) {
+        const auto print = [](const char* label, const TableRow& printed) {
             std::printf("%s: model %s, figures %s, delta E %s, error %s\n", label, printed.model.c_str(),
                         printed.figures.c_str(), printed.delta_e.c_str(), printed.error.c_str());
         };
@@ -289,7 +289,7 @@ int run(const std::vector<std::string>& arguments) {
     const std::string &data = arguments[0], &path = arguments[1];
     Golden golden{value_or_fail(load_measured(data + "/paper_white_rgb.bsdf")),
                   value_or_fail(load_measured(data + "/cc_ibiza_sunset_rgb.bsdf")), 0};
-    const std::map<std::string, Line> table = read_table(path);
+    const std::map<std::string, TableRow> table = read_table(path);
     std::string only;
     bool is_writing = false, is_older = false, every = false;
     for (std::size_t i = 2; i < arguments.size(); ++i) {

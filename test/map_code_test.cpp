@@ -66,12 +66,12 @@ template <typename Number = std::uint16_t> TextureOf<Number> texture_of(std::spa
     return texture;
 }
 
-struct Pair {
+struct DirectionPair {
     Vec3f wl, wv;
 };
-std::vector<Pair> pairs(std::size_t count) {
+std::vector<DirectionPair> pairs(std::size_t count) {
     std::mt19937_64 random(3);
-    std::vector<Pair> pairs;
+    std::vector<DirectionPair> pairs;
     for (std::size_t i = 0; i < count; ++i) {
         const Vec3d wv = random_direction(random, 0.01), mirrored = mirror(wv);
         const Vec3d wl = i % 2 ? random_direction(random, 0.01) : normalize(mirrored + 0.05 * random_direction(random));
@@ -80,7 +80,7 @@ std::vector<Pair> pairs(std::size_t count) {
     return pairs;
 }
 /// The mean BRDF of these texels.
-Rgb mean(const TexelMap& map, const std::vector<std::size_t>& texels, const Pair& at) {
+Rgb mean(const TexelMap& map, const std::vector<std::size_t>& texels, const DirectionPair& at) {
     Rgb sum;
     for (const std::size_t t : texels) {
         const Rgb f = value(texel(map, t), at.wl, at.wv);
@@ -115,8 +115,8 @@ TEST_F(MapCode, HasTheValuesOfTheTexels) {
                 "    f = map_brdf(wl, wv, texel), to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
                 "    f = map_albedo(wv.z, texel), to[3] = f.x, to[4] = f.y, to[5] = f.z;\n}\n");
         ASSERT_TRUE(library);
-        const auto answer = function<void(const float*, const Pair*, const float*, Rgb*)>(library, "answer");
-        const std::vector<Pair> at = pairs(40 * map.count());
+        const auto answer = function<void(const float*, const DirectionPair*, const float*, Rgb*)>(library, "answer");
+        const std::vector<DirectionPair> at = pairs(40 * map.count());
         for (std::size_t t = 0; t < map.count(); ++t) {
             const Model model = texel(map, t);
             std::optional<PreparedBrdf> prepared;  // of some, since it takes long
@@ -217,7 +217,7 @@ TEST_F(MapCode, BytesHardlyAddToTheErrorOfData) {
         }
     double half_error = 0, both_errors = 0;
     for (std::size_t t = 0; t < map.count(); ++t)
-        for (const Pair& at : pairs(64)) {
+        for (const DirectionPair& at : pairs(64)) {
             const Rgb f = value(texel(map, t), at.wl, at.wv), g = value(texel(byte_map, t), at.wl, at.wv);
             for (int c = 0; c < 3; ++c) {
                 const float measured = std::cbrt(f[c] * (1 + noise(random)));
@@ -231,22 +231,22 @@ TEST_F(MapCode, BytesHardlyAddToTheErrorOfData) {
 
 #ifdef SRBF_RASTER
 /// Texels of a map, and where a level of its texture shows their mean.
-struct Place {
+struct TexelArea {
     std::vector<std::size_t> texels;
     std::array<float, 4> uv;  // and the level
 };
-Place place_of(std::size_t x0, std::size_t y0, std::size_t size, float level) {
-    Place place{{}, {(float(x0) + float(size) / 2) / k_width, (float(y0) + float(size) / 2) / k_height, level, 0}};
+TexelArea texel_area(std::size_t x0, std::size_t y0, std::size_t size, float level) {
+    TexelArea place{{}, {(float(x0) + float(size) / 2) / k_width, (float(y0) + float(size) / 2) / k_height, level, 0}};
     for (std::size_t y = y0; y < y0 + size; ++y)
         for (std::size_t x = x0; x < x0 + size; ++x) place.texels.push_back(y * k_width + x);
     return place;
 }
 /// Corners of texels, where a filter takes the mean of four, and middles of texels of the coarser levels.
-std::vector<Place> places() {
-    std::vector<Place> all;
-    for (std::size_t i = 0; i < 7; ++i) all.push_back(place_of(i, i % 3, 2, 0));
-    for (std::size_t i = 0; i < 8; ++i) all.push_back(place_of(2 * (i % 4), 2 * (i / 4), 2, 1));
-    all.push_back(place_of(4, 0, 4, 2));
+std::vector<TexelArea> texel_areas() {
+    std::vector<TexelArea> all;
+    for (std::size_t i = 0; i < 7; ++i) all.push_back(texel_area(i, i % 3, 2, 0));
+    for (std::size_t i = 0; i < 8; ++i) all.push_back(texel_area(2 * (i % 4), 2 * (i / 4), 2, 1));
+    all.push_back(texel_area(4, 0, 4, 2));
     return all;
 }
 
@@ -297,8 +297,8 @@ std::vector<std::array<float, 4>> answers_of(GLuint program, const std::vector<s
 /// At corners of texels the filter's BRDF is the mean of four, at the middle of a texel of level k that of the 4ᵏ under
 /// it.
 TEST_F(MapCode, FilteredTexturesAreMeansOfBrdfs) {
-    const std::vector<Place> all = places();
-    const std::vector<Pair> at = pairs(64);
+    const std::vector<TexelArea> all = texel_areas();
+    const std::vector<DirectionPair> at = pairs(64);
     const auto context = OffscreenContext::make(Dialect::gl_450);
     if (!context) GTEST_SKIP() << message(context.error());
     for (const bool axial : {true, false}) {
@@ -307,8 +307,8 @@ TEST_F(MapCode, FilteredTexturesAreMeansOfBrdfs) {
         ASSERT_NE(program, 0u);
         bind_layers(map);
         std::vector<std::array<float, 4>> questions;
-        for (const Place& place : all)
-            for (const Pair& pair : at) {
+        for (const TexelArea& place : all)
+            for (const DirectionPair& pair : at) {
                 questions.push_back({pair.wl.x, pair.wl.y, pair.wl.z, 0});
                 questions.push_back({pair.wv.x, pair.wv.y, pair.wv.z, 0});
                 questions.push_back(place.uv);
@@ -316,7 +316,7 @@ TEST_F(MapCode, FilteredTexturesAreMeansOfBrdfs) {
         const auto answers = answers_of(program, questions);
         EXPECT_EQ(glGetError(), GLenum(GL_NO_ERROR));
         for (std::size_t i = 0; i < answers.size(); ++i) {
-            const Place& place = all[i / at.size()];
+            const TexelArea& place = all[i / at.size()];
             expect_near({answers[i][0], answers[i][1], answers[i][2]}, mean(map, place.texels, at[i % at.size()]),
                         1e-3f, fmt::format("level {}", place.uv[2]));
         }

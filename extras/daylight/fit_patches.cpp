@@ -38,7 +38,7 @@ struct Size {
 constexpr Size k_sizes[] = {{1, 1}, {1, 2}, {2, 2}, {3, 2}, {4, 3}, {6, 3}, {8, 4}};
 constexpr double k_good_error = 1e-3, k_good_fraction = 0.01, k_good_sum = 0.001;
 /// If the error is this many times the goal, skip directly to the largest size.
-constexpr double k_far = 100;
+constexpr double k_far_from_goal = 100;
 /// The least width of a lobe, as a fraction of the width of the narrowest ring of patches.
 constexpr double k_finest = 0.5;
 
@@ -279,7 +279,7 @@ Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& reques
             fits.fit_size(options, sizes[i], progress.subrange(double(i) / size_count, double(i + 1) / size_count));
         if (!done) return done.error();
         if (fits.is_enough()) break;
-        if (fits.error() > k_far * k_good_error && i + 2 < sizes.size())
+        if (fits.error() > k_far_from_goal * k_good_error && i + 2 < sizes.size())
             i = sizes.size() - 2;  // continue with the largest
     }
     FitOutcome outcome = fits.best();

@@ -212,7 +212,7 @@ std::string slice_drawing(std::span<const SliceCurve> curves, double theta_l) {
 }
 
 std::vector<Scan> scans_in_plane(const ScatteredSamples& samples) {
-    constexpr double k_apart = 0.1;  // degrees
+    constexpr double k_min_scan_step = 0.1;  // degrees
     constexpr std::size_t k_fewest = 8;
     struct Point {
         double light, view, luminance;
@@ -230,7 +230,8 @@ std::vector<Scan> scans_in_plane(const ScatteredSamples& samples) {
     std::ranges::stable_sort(points, {}, &Point::light);
     std::vector<Scan> scans;
     for (std::size_t i = 0; i < points.size(); ++i) {
-        if (i == 0 || points[i].light - points[i - 1].light > k_apart) scans.emplace_back().theta_l = points[i].light;
+        if (i == 0 || points[i].light - points[i - 1].light > k_min_scan_step)
+            scans.emplace_back().theta_l = points[i].light;
         scans.back().degrees.push_back(points[i].view), scans.back().luminance.push_back(points[i].luminance);
     }
     std::erase_if(scans, [](const Scan& scan) { return scan.degrees.size() < k_fewest; });

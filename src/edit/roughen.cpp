@@ -21,14 +21,14 @@ struct Roughening {
 
 double roughness_of(const Evaluate& highlight) {
     constexpr int k_steps = 512;
-    constexpr double k_steepest = 80 * k_degree, k_apart = 30 * k_degree;
+    constexpr double k_steepest = 80 * k_degree, k_half_angle = 30 * k_degree;
     std::vector<Vec3f> wl, wv;
     std::vector<Rgb> f(k_steps);
     std::vector<double> slope, fraction;  // slopes, and shares of the facets' projected area up to them
     for (int i = 0; i < k_steps; ++i) {
         const double theta = k_steepest * elementary::square((i + 0.5) / k_steps);
-        const Vec3d h = spherical(theta, 0.0), across{0, elementary::sin(k_apart), 0};
-        const Vec3d middle = elementary::cos(k_apart) * h;
+        const Vec3d h = spherical(theta, 0.0), across{0, elementary::sin(k_half_angle), 0};
+        const Vec3d middle = elementary::cos(k_half_angle) * h;
         wl.push_back(to_float(middle + across)), wv.push_back(to_float(middle - across));
         slope.push_back(elementary::sin(theta) / h.z);
     }

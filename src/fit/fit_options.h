@@ -4,11 +4,10 @@
 #include <map>
 #include <span>
 
+#include "base/errors.h"
 #include "srbf/fit.h"
 
 SRBF_BEGIN
-
-inline constexpr int k_max_threads = 1024;
 
 /// An option of a fit. Models that read different texts of an option have rows of their own.
 struct FitOptionRow {

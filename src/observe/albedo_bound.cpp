@@ -19,7 +19,7 @@ constexpr double k_checked_excess = 0.97;
 constexpr int k_fine_views = 80, k_fine_light_directions = 16384;
 constexpr double k_steepest_trusted = 80 * k_degree;
 /// Albedos are brought below this fraction of the limit, so that rounding to 16 bits does not exceed it.
-constexpr double k_aim = 0.995;
+constexpr double k_aimed_fraction = 0.995;
 /// The cost grows by this factor where a round still exceeds the bound.
 constexpr double k_bound_cost_growth = 4;
 
@@ -91,7 +91,7 @@ std::vector<double> AlbedoBound::albedos(const Evaluate& model) const {
 double AlbedoBound::excess(const Evaluate& model) const { return std::ranges::max(albedos(model)); }
 
 ObservedIntegral AlbedoBound::bound_of(const View& view, std::vector<Rgb> values, double albedo) const {
-    const auto factor = float(k_aim * limit_ / albedo);
+    const auto factor = float(k_aimed_fraction * limit_ / albedo);
     ObservedIntegral bound;
     bound.wl = view.light.w, bound.wv.assign(bound.wl.size(), view.wv), bound.weight = view.light.weight;
     for (const Rgb& f : values) bound.f.push_back({factor * f.r, factor * f.g, factor * f.b});

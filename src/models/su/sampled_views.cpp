@@ -60,7 +60,7 @@ void SampledViews::find_largest() {
             if (within(w) && is_finite(value)) raise_to(largest[view], value, w.z);
         };
         for (std::size_t i = 0; i < n; ++i) add(direction(i), f(view, i));
-        for (const RawMatrix::Between& between : between_of(view)) add(between.direction, between.f);
+        for (const RawMatrix::DrawnValue& between : between_of(view)) add(between.direction, between.f);
     });
     largest_.resize(n);
     for (std::size_t view = 0; view < n; ++view)
@@ -74,7 +74,7 @@ std::size_t SampledViews::valid(std::size_t view) const {
     return valid;
 }
 
-std::span<const RawMatrix::Between> SampledViews::between_of(std::size_t view) const {
+std::span<const RawMatrix::DrawnValue> SampledViews::between_of(std::size_t view) const {
     const std::size_t m = matrix_.between.size() / count();
     return std::span(matrix_.between).subspan(view * m, m);
 }
@@ -88,7 +88,7 @@ SampledViews::Table SampledViews::table_of(std::size_t view) const {
     const std::size_t n = count();
     Table table{view, matrix_.direction, std::vector<Rgb>(n), {}, {}};
     for (std::size_t i = 0; i < n; ++i) table.f[i] = f(view, i);
-    for (const RawMatrix::Between& between : between_of(view)) {
+    for (const RawMatrix::DrawnValue& between : between_of(view)) {
         if (!within(between.direction) || !is_finite(between.f)) continue;
         table.direction.push_back(between.direction);
         table.f.push_back(between.f);

@@ -48,8 +48,10 @@ Result<Measured> ConvertCommand::smoothed(const LoadedFile& subject) const {
     }
     MbsdfOptions options;
     options.threads = threads;
-    if (const auto* mbsdf = std::get_if<MbsdfTable>(&measured->table))
-        options.polar = mbsdf->polar, options.azimuths = mbsdf->azimuths;
+    if (const auto* mbsdf = std::get_if<MbsdfTable>(&measured->table)) {
+        options.polar = mbsdf->polar;
+        options.azimuths = mbsdf->azimuths;
+    }
     return Measured{measured->source, "smoothed", 0, to_mbsdf(*quiet, options)};
 }
 
@@ -68,7 +70,8 @@ Result<std::vector<std::byte>> ConvertCommand::converted(const LoadedFile& subje
                              max_theta * k_degree, choice, !rgb_alone, threads});
     if (bytes) return bytes;
     Error error = bytes.error();
-    error.source = input, error.expected += fmt::format(", as {} tables are", format.name);
+    error.source = input;
+    error.expected += fmt::format(", as {} tables are", format.name);
     return error;
 }
 

@@ -178,7 +178,8 @@ std::vector<std::byte> map_ktx2(const TexelMap& map, LayerNumbers numbers) {
     const auto add_part = [&](std::size_t offset, const auto& write) {
         const std::size_t begin = file.bytes.size();
         write();
-        file.set(index + offset, begin, 4), file.set(index + offset + 4, file.bytes.size() - begin, 4);
+        file.set(index + offset, begin, 4);
+        file.set(index + offset + 4, file.bytes.size() - begin, 4);
     };
     add_part(0, [&] { file.add_words(descriptor(format)); });
     add_part(8, [&] {

@@ -29,7 +29,10 @@ double angle_between(const Vec3d& a, const Vec3d& b) {
 /// The level of a position in an interval, from means over shells.
 struct Level {
     std::array<double, k_shells.size() + 1> sum{}, count{};
-    void add(std::size_t shell, double y) { sum[shell] += y, count[shell] += 1; }
+    void add(std::size_t shell, double y) {
+        sum[shell] += y;
+        count[shell] += 1;
+    }
     /// Negative if there are no pairs.
     double value() const {
         double max = -1;
@@ -71,7 +74,9 @@ Peak peak_of(const Levels& levels) {
             if (level[p] < 0) continue;
             const double quotient =
                 max > 0 ? std::max(level[p], max / k_max_peak) / std::max(min, max / k_max_peak) : 1;
-            score[p] += elementary::log(quotient), count[p] += 1, ratio[p] = std::max(ratio[p], quotient);
+            score[p] += elementary::log(quotient);
+            count[p] += 1;
+            ratio[p] = std::max(ratio[p], quotient);
         }
     }
     Peak peak;
@@ -118,8 +123,10 @@ Peak peak_of(const Evaluate& brdf) {
             }
             for (int theta = 10; theta <= 70; theta += 15)
                 for (int k = 0; k < 12; ++k) views.push_back(spherical(theta * k_degree, phi_l + k * k_pi / 6));
-            for (const Vec3d& view : views)
-                wl.push_back(to_float(spherical(theta_l, phi_l))), wv.push_back(to_float(view));
+            for (const Vec3d& view : views) {
+                wl.push_back(to_float(spherical(theta_l, phi_l)));
+                wv.push_back(to_float(view));
+            }
         }
     std::vector<Rgb> f(wl.size());
     brdf(wl, wv, f);

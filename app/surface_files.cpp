@@ -344,15 +344,19 @@ std::string gltf_text(Gltf document) {
 std::string glb_bytes(const Gltf& document) {
     std::string text = document.json.dump(),
                 bytes(reinterpret_cast<const char*>(document.bytes.data()), document.bytes.size());
-    text.resize((text.size() + 3) / 4 * 4, ' '), bytes.resize((bytes.size() + 3) / 4 * 4, '\0');
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    bytes.resize((bytes.size() + 3) / 4 * 4, '\0');
     std::string file = "glTF";
     const auto add = [&](std::size_t x) {
         for (int k = 0; k < 4; ++k) file += char(x >> (8 * k) & 0xff);
     };
     constexpr std::size_t k_version = 2, k_head = 12, k_chunk_head = 8;
-    add(k_version), add(k_head + 2 * k_chunk_head + text.size() + bytes.size());
-    add(text.size()), file += "JSON" + text;
-    add(bytes.size()), file += std::string("BIN\0", 4) + bytes;
+    add(k_version);
+    add(k_head + 2 * k_chunk_head + text.size() + bytes.size());
+    add(text.size());
+    file += "JSON" + text;
+    add(bytes.size());
+    file += std::string("BIN\0", 4) + bytes;
     return file;
 }
 

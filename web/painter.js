@@ -366,7 +366,9 @@ function draw_parts(index, scene, width, height) {
   const whole = around || is_quick ? 1 : 2, coarse = 1 / Math.min(Math.max(Math.ceil(Math.sqrt(edited.duration / k_quick_ms)), 1), k_coarsest);
   for (const part of drawn) {
     const is_new = part.samples === 0 || part === parts[k_highlight] && has_new_roughness;
-    const size = is_quick ? is_new ? part.samples > 0 ? coarse : whole : part.size : whole;
+    let size = whole;
+    if (is_quick && !is_new) size = part.size;
+    else if (is_quick && part.samples > 0) size = coarse;
     if (is_new || size !== part.size) Object.assign(part, { samples: 0, size });
   }
   edited.roughness = edit.roughness[0];

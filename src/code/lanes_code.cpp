@@ -138,8 +138,12 @@ std::string value_in_c(const PmModel& model) {
             const Vec3f xi = K::pm_centre(model, j, n);
             if (model.axial)
                 add(xi.z < 0 ? 0 : falloff), add(xi.z < 0 ? falloff : 0);
-            else
-                add(falloff), add(xi.x), add(xi.y), add(xi.z);
+            else {
+                add(falloff);
+                add(xi.x);
+                add(xi.y);
+                add(xi.z);
+            }
         }
     }
     return fmt::format(

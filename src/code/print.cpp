@@ -145,7 +145,9 @@ const Language& lanes_of_c() {
                      {"log", "srbf_x_log"},
                      {"sqrt", "srbf_x_sqrt"},
                      {"inversesqrt", "srbf_x_inversesqrt"}};
-        row.vector = "srbf_x_vec3_of", row.functions = "srbf_x_", row.has_lanes = true;
+        row.vector = "srbf_x_vec3_of";
+        row.functions = "srbf_x_";
+        row.has_lanes = true;
         return row;
     }();
     return lanes;

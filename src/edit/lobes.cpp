@@ -29,7 +29,9 @@ Reflected reflected(const PmModel& model, int lobe) {
             const double weight = light.weight[i] * double(light.w[i].z), value = largest_of(f[i]);
             const Vec3d sum = to_double(light.w[i]) + wv;
             const double squared_sine = 1 - sum.z * sum.z / dot(sum, sum);
-            albedo += weight * value, across += weight * value * squared_sine, mean += weight / k_pi * squared_sine;
+            albedo += weight * value;
+            across += weight * value * squared_sine;
+            mean += weight / k_pi * squared_sine;
             for (int c = 0; c < 3; ++c) total.albedo[c] += float(weight) * f[i][c];
         }
         lambert_across += albedo * mean;

@@ -93,7 +93,9 @@ double AlbedoBound::excess(const Evaluate& model) const { return std::ranges::ma
 ObservedIntegral AlbedoBound::bound_of(const View& view, std::vector<Rgb> values, double albedo) const {
     const auto factor = float(k_aimed_fraction * limit_ / albedo);
     ObservedIntegral bound;
-    bound.wl = view.light.w, bound.wv.assign(bound.wl.size(), view.wv), bound.weight = view.light.weight;
+    bound.wl = view.light.w;
+    bound.wv.assign(bound.wl.size(), view.wv);
+    bound.weight = view.light.weight;
     for (const Rgb& f : values) bound.f.push_back({factor * f.r, factor * f.g, factor * f.b});
     bound.min_unit = 1, bound.is_bound = true;
     return bound;

@@ -83,6 +83,7 @@ async function new_srbf(module, progress = () => true) {
     highlight: (number) => (check(c.srbf_highlight(number)), JSON.parse(text())),
     edit: (number, edits) => describe(check(with_bytes([JSON.stringify(edits)], (address, size) => c.srbf_edit(number, address, size)))),
     model_file: (number) => (check(c.srbf_model_file(number)), content()),
+    code_languages: () => (check(c.srbf_code_languages()), JSON.parse(text())),
     code: (number, language, { sampling = false, environment = false } = {}) =>
       (check(with_bytes([language], (address, size) => c.srbf_code(number, address, size, sampling ? 1 : 0, environment ? 1 : 0))), text()),
     blender: (number) => (check(c.srbf_blender(number)), text()), // of a measurement or a model

@@ -115,6 +115,7 @@ await writeFile(path.join(path.dirname(folder), "srbf.html"), one_file);
 // The package for scripts, ready to publish.
 const package_folder = path.join(path.dirname(folder), "npm");
 await mkdir(package_folder, { recursive: true });
+const parts = { version, binding: page_files["binding.js"], languages: srbf.code_languages().map((name) => `"${name}"`).join(" | ") };
 for (const name of ["package.json", "srbf.d.ts", "srbf.mjs", "README.md"])
-  await writeFile(path.join(package_folder, name), fill_in(await text(path.join("package", name)), { version, binding: await text("binding.js") }));
+  await writeFile(path.join(package_folder, name), fill_in(await text(path.join("package", name)), parts));
 await copyFile(module_file, path.join(package_folder, "srbf.wasm"));

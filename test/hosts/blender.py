@@ -16,6 +16,7 @@ Usage: blender.py PROGRAM DATA [PICTURE], where DATA contains rgl/. The environm
 tried beside the bundled one, separated by colons. The test needs the packages bpy, openexr and pillow of PyPI, in a Python of bpy's
 version. It is skipped without bpy.
 """
+# needs: numpy openexr pillow
 import importlib.util
 import math
 import os

@@ -7,6 +7,7 @@ lights, one at a time. The error of this picture against the measurement is at m
 Usage: materialx_glsl.py PROGRAM DATA, where DATA contains rgl/. The test needs the packages materialx and numpy of PyPI in this Python,
 and Chromium, which runs the shader.
 """
+# needs: numpy MaterialX
 import base64
 import json
 import tempfile

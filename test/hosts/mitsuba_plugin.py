@@ -11,7 +11,7 @@ The plugin is built with the installed library of PROGRAM's build, for the Mitsu
 
 Usage: mitsuba_plugin.py PROGRAM. The test needs the packages mitsuba, nanobind and numpy of PyPI, and is skipped without them.
 """
-# needs: numpy1
+# needs: numpy1 mitsuba nanobind
 import importlib.util
 import math
 import subprocess

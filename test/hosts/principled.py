@@ -7,6 +7,7 @@ at most 30 % larger than the error of the surface. Where Cycles uses another for
 Usage: principled.py PROGRAM DATA [PICTURE], where DATA contains rgl/. The test needs the packages bpy, openexr and pillow of PyPI, in a
 Python of bpy's version. It is skipped without bpy.
 """
+# needs: numpy openexr pillow
 import importlib.util
 import tempfile
 

@@ -5,6 +5,7 @@ The z axis of Radiance points to WINDOW's back, which is -z in our frame. The y 
 Usage: radiance.py PROGRAM DATA, where DATA contains klems/ and tensor/. The test needs the packages pyradiance, pywincalc and numpy of PyPI
 in this Python.
 """
+# needs: numpy pyradiance pywincalc
 import os
 import subprocess
 import sys

@@ -4,6 +4,7 @@
 The test fits a surface to a measurement and writes it for each program. The validators of MaterialX and USD must accept the files.
 Usage: surfaces.py PROGRAM DATA, where DATA contains rgl/. The test needs the packages materialx and usd-core of PyPI in this Python.
 """
+# needs: MaterialX usd-core
 import tempfile
 
 import MaterialX as mx

@@ -8,6 +8,7 @@ LARGEST_RATIOS times as large.
 Usage: three_gltf.py PROGRAM DATA [PICTURE], where DATA contains rgl/. The test needs Chromium, and the packages numpy, openexr and nicegui
 of PyPI in this Python. nicegui contains three.js with its GLTFLoader; without its files the test is skipped.
 """
+# needs: numpy openexr pillow js:nicegui
 import base64
 import importlib.util
 import math

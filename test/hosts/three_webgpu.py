@@ -14,6 +14,7 @@ The test prints the processor time of frames of 256 x 256 pixels, which other pr
 Usage: three_webgpu.py PROGRAM DATA, with the files of three.js in peers/ beside DATA. The test needs the packages numpy and openexr of
 PyPI. It is skipped if one of these is missing.
 """
+# needs: numpy openexr
 import importlib.util
 import json
 import math

@@ -40,17 +40,17 @@ const SuModel& film_su() {
 
 double seconds_of(const PathScene& scene, std::uint64_t& rays) {
     const std::clock_t start = std::clock();  // processor time, since other processes may run
-    PathOptions options;
-    options.width = k_width, options.height = k_height, options.samples = k_samples, options.threads = 1;
-    rays = render_paths(scene, options).rays;
+    rays =
+        render_paths(scene, {.width = k_width, .height = k_height, .samples = k_samples, .threads = 1, .progress = {}})
+            .rays;
     return double(std::clock() - start) / CLOCKS_PER_SEC;
 }
 
 /// A BRDF that evaluates each value twice.
-struct Twice {
+struct EvaluatedTwice {
     PreparedBrdf brdf;
 };
-Rgb value(const Twice& twice, Vec3f wl, Vec3f wv) {
+Rgb value(const EvaluatedTwice& twice, Vec3f wl, Vec3f wv) {
     benchmark::DoNotOptimize(value(twice.brdf, wl, wv));
     return value(twice.brdf, wl, wv);
 }
@@ -62,7 +62,7 @@ void path(benchmark::State& state, const PreparedBrdf& brdf) {
     const Mesh ground = ground_below(mesh, camera.up);
     PathScene scene{{{&mesh, 0}, {&ground, 1}}, {brdf, diffuse({0.35f, 0.35f, 0.35f})}, camera, {}, {}, &studio};
     PathScene twice = scene;
-    twice.materials[0] = prepare(Twice{brdf}, proposal(brdf));
+    twice.materials[0] = prepare(EvaluatedTwice{brdf}, proposal(brdf));
     std::uint64_t rays = 0;
     double once_best = 1e30, twice_best = 1e30;
     for (auto _ : state) {

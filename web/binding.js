@@ -92,7 +92,8 @@ async function new_srbf(module, progress = () => true) {
     // f [1/sr] at pairs of directions: x, y, z of each in `wl` and `wv`, and R, G, B of each in the result.
     evaluate: (number, wl, wv) => {
       const count = wl.length / 3;
-      if (!Number.isInteger(count) || wv.length !== wl.length) throw new Error("directions: expected as many to the viewer as to the light, of three numbers each");
+      if (!Number.isInteger(count) || wv.length !== wl.length)
+        throw new Error("directions: expected as many to the viewer as to the light, of three numbers each");
       return with_bytes([floats(wl), floats(wv), new Uint8Array(12 * count)], (a, size, b, same, f) => {
         check(c.srbf_evaluate(number, a, b, f, count));
         return new Float32Array(c.memory.buffer.slice(f, f + 12 * count));

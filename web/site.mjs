@@ -108,7 +108,8 @@ for (const [name, content] of Object.entries(data_files)) {
 // The page in one file, without the report. Its data comes last, so that the page is shown before they are read.
 const one_file = with_balls(`data:image/jpeg;base64,${balls.toString("base64")}`)
   .replace(/ <a href="gallery.*?<\/a>/, "").replace("One folder", "One file")
-  .replace(/<link rel="stylesheet" href="(.*?)">/g, (_, name) => `<style>\n${page_files[name]}</style>`).replace("</body>", () => embedded + "</body>")
+  .replace(/<link rel="stylesheet" href="(.*?)">/g, (_, name) => `<style>\n${page_files[name]}</style>`)
+  .replace("</body>", () => embedded + "</body>")
   .replace(/<script src="(.*?)"><\/script>/g, (_, name) => `<script>\n${page_files[name].replaceAll("</script", "<\\/script")}</script>`);
 await writeFile(path.join(path.dirname(folder), "srbf.html"), one_file);
 

@@ -106,48 +106,31 @@ const Samples& samples() {
     }();
     return all;
 }
-template <typename P> void draw_one(benchmark::State& state, const P& proposal) {
+/// Times call(wl, wv, u), whose result is kept, at these samples in turn.
+template <typename Call> void for_samples(benchmark::State& state, const Call& call) {
     std::size_t i = 0;
     for (auto _ : state) {
-        const Vec3f u = samples().u[i];
-        benchmark::DoNotOptimize(sample(proposal, samples().wv[i], {u.x, u.y}, u.z));
+        benchmark::DoNotOptimize(call(samples().wl[i], samples().wv[i], samples().u[i]));
         i = (i + 1) % samples().u.size();
     }
 }
+template <typename P> void draw_one(benchmark::State& state, const P& proposal) {
+    for_samples(state, [&](Vec3f, Vec3f wv, Vec3f u) { return sample(proposal, wv, {u.x, u.y}, u.z); });
+}
 template <typename P> void density_of_one(benchmark::State& state, const P& proposal) {
-    std::size_t i = 0;
-    for (auto _ : state) {
-        benchmark::DoNotOptimize(pdf(proposal, samples().wl[i], samples().wv[i]));
-        i = (i + 1) % samples().u.size();
-    }
+    for_samples(state, [&](Vec3f wl, Vec3f wv, Vec3f) { return pdf(proposal, wl, wv); });
 }
 /// Draws a sample and computes its density in one call, as path tracing does.
 template <typename P> void draw_and_density_of_one(benchmark::State& state, const P& proposal) {
-    std::size_t i = 0;
-    for (auto _ : state) {
-        const Vec3f u = samples().u[i];
-        benchmark::DoNotOptimize(sample_with_pdf(proposal, samples().wv[i], {u.x, u.y}, u.z));
-        i = (i + 1) % samples().u.size();
-    }
-}
-/// Computes value and density of the prepared fit by `call`.
-template <typename Call> void both_of_pm(benchmark::State& state, const Call& call) {
-    const PreparedBrdf brdf = prepare(Model{film_pm(), {}}, ProposeOptions{});
-    std::size_t i = 0;
-    for (auto _ : state) {
-        call(brdf, samples().wl[i], samples().wv[i]);
-        i = (i + 1) % samples().u.size();
-    }
+    for_samples(state, [&](Vec3f, Vec3f wv, Vec3f u) { return sample_with_pdf(proposal, wv, {u.x, u.y}, u.z); });
 }
 void value_and_density_of_pm(benchmark::State& state) {
-    both_of_pm(state, [](const PreparedBrdf& brdf, Vec3f wl, Vec3f wv) {
-        benchmark::DoNotOptimize(value(brdf, wl, wv));
-        benchmark::DoNotOptimize(pdf(brdf, wl, wv));
-    });
+    const PreparedBrdf brdf = prepare(Model{film_pm(), {}}, ProposeOptions{});
+    for_samples(state, [&](Vec3f wl, Vec3f wv, Vec3f) { return std::pair(value(brdf, wl, wv), pdf(brdf, wl, wv)); });
 }
 void value_pdf_of_pm(benchmark::State& state) {
-    both_of_pm(state,
-               [](const PreparedBrdf& brdf, Vec3f wl, Vec3f wv) { benchmark::DoNotOptimize(value_pdf(brdf, wl, wv)); });
+    const PreparedBrdf brdf = prepare(Model{film_pm(), {}}, ProposeOptions{});
+    for_samples(state, [&](Vec3f wl, Vec3f wv, Vec3f) { return value_pdf(brdf, wl, wv); });
 }
 BENCHMARK(value_and_density_of_pm);
 BENCHMARK(value_pdf_of_pm);

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Runs the programs of examples/hosts.
 
-Each program draws spheres of the bundled materials under a directional light, by exported code or by a model. The picture must differ from
-that of the model itself by a mean ΔE_ITP of at most 1. A host that is not installed is skipped. The last line counts the hosts that ran.
+Each program draws spheres of the bundled materials under a directional light, by exported code or by a model. The picture
+must differ from that of the model itself by a mean ΔE_ITP of at most 1. A host that is not installed is skipped. The last
+line counts the hosts that ran.
 Usage: example_hosts.py PROGRAM DATA [PICTURES [NAME..]]. The folder peers/ stands beside DATA, PICTURES is a folder for the
 pictures, and NAME restricts the test to some hosts.
 """
@@ -45,16 +46,20 @@ def draw_by_page(flags, files):
     return draw
 
 
-def draw_by_script(example, code, picture, *more):
-    """Draws with the script of an example."""
-    done = subprocess.run([sys.executable, example / "sphere.py", code, picture, *more], capture_output=True, text=True, timeout=600)
+def run(*command, folder=None):
+    """Runs a command. Raises RuntimeError with the end of its output if it fails."""
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=600)
     if done.returncode:
         raise RuntimeError(done.stdout[-2000:] + done.stderr[-2000:])
 
 
+def draw_by_script(example, code, picture, *more):
+    """Draws with the script of an example."""
+    run(sys.executable, example / "sphere.py", code, picture, *more)
+
+
 def draw_by_slang(example, code, picture):
-    """Draws, and compares derivatives with respect to the direction to the light, along the sphere of directions, with differences of
-    values by `srbf eval`."""
+    """Draws, and compares derivatives by the direction to the light with differences of values by `srbf eval`."""
     folder = Path(picture).parent
     draw_by_script(example, code, picture, "cpu", folder / "slopes.npy")
     directions, step = lit_sphere.pairs(), 1e-3
@@ -81,21 +86,17 @@ def draw_by_c(example, code, picture):
 
 def draw_by_filament(example, code, picture):
     """Compiles the material and the program of an example, and draws in a separate display."""
-    folder = Path(picture).parent
-    (folder / "measured.mat").write_text((example / "measured.mat").read_text(encoding="utf-8").replace("CODE", code.read_text(encoding="utf-8")))
+    folder, material = Path(picture).parent, (example / "measured.mat").read_text(encoding="utf-8")
+    (folder / "measured.mat").write_text(material.replace("CODE", code.read_text(encoding="utf-8")))
     libraries = [f"-lfilament{part}" for part in ("", "_geometry", "_utils", "_backend")]
-    for command in (["matc", "--api", "opengl", "--platform", "desktop", "-o", "measured.filamat", "measured.mat"],
-                    ["g++", "-std=c++17", "-O1", f"-I{FILAMENT}", example / "sphere.cpp", "-o", "sphere", *libraries],
-                    ["xvfb-run", "-a", "-s", "-screen 0 640x480x24", "./sphere", "measured.filamat", "picture"]):
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=600)
-        if done.returncode:
-            raise RuntimeError(done.stdout[-2000:] + done.stderr[-2000:])
+    run("matc", "--api", "opengl", "--platform", "desktop", "-o", "measured.filamat", "measured.mat", folder=folder)
+    run("g++", "-std=c++17", "-O1", f"-I{FILAMENT}", example / "sphere.cpp", "-o", "sphere", *libraries, folder=folder)
+    run("xvfb-run", "-a", "-s", "-screen 0 640x480x24", "./sphere", "measured.filamat", "picture", folder=folder)
     np.save(picture, np.fromfile(folder / "picture", np.float32).reshape(lit_sphere.SIZE, lit_sphere.SIZE, 4)[..., :3])
 
 
 def three_files(files):
-    """Returns files of three.js by name from a folder in peers/, which stands beside the measurements. Returns None if a file is
-    missing."""
+    """Returns {name: text} of these files of three.js from a folder in peers/, or None if a file is missing."""
     for folder in data.parent.glob("peers/*"):
         paths = [folder / f"three.{file}.js" for file in files]
         if all(path.exists() for path in paths):

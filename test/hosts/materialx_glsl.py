@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
 """Checks surfaces in the shader that MaterialX generates.
 
-The test fits a surface to measurements, writes it as MaterialX, and draws a sphere by the generated GLSL (ES 3.00) under three distant
-lights, one at a time. The error of this picture against the measurement is at most 30 % larger than the error of the picture by
-`srbf eval`. For a material in LARGEST_RATIOS it is at most that many times as large.
-Usage: materialx_glsl.py PROGRAM DATA, where DATA contains rgl/. The test needs the packages materialx and numpy of PyPI in this Python,
-and Chromium, which runs the shader.
+The test fits a surface to measurements, writes it as MaterialX, and draws a sphere by the generated GLSL (ES 3.00) under
+three distant lights, one at a time. The error of this picture against the measurement is at most 30 % larger than that of
+the picture by `srbf eval`. For a material in LARGEST_RATIOS it is at most that many times as large.
+Usage: materialx_glsl.py PROGRAM DATA, where DATA contains rgl/. Chromium runs the shader.
 """
 # needs: numpy MaterialX
 import base64

@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
 """Checks surfaces as glTF in three.js.
 
-The test fits a surface to measurements and writes it as binary glTF. three.js (MeshPhysicalMaterial) draws a sphere of it under three
-distant lights, and in an environment that three.js filters beforehand; `srbf render` draws the measurement and the surface. The error of
-three.js against the measurement is at most 30 % larger than the error of the surface. Where three.js uses another formula, it is at most
-LARGEST_RATIOS times as large.
-Usage: three_gltf.py PROGRAM DATA [PICTURE], where DATA contains rgl/. The test needs Chromium, and the packages numpy, openexr and nicegui
-of PyPI in this Python. nicegui contains three.js with its GLTFLoader; without its files the test is skipped.
+The test fits a surface to measurements and writes it as binary glTF. three.js (MeshPhysicalMaterial) draws a sphere of it
+under three distant lights, and in an environment that three.js filters beforehand; `srbf render` draws the measurement and
+the surface. The error of three.js against the measurement is at most 30 % larger than that of the surface, or
+LARGEST_RATIOS times as large if three.js uses another formula.
+Usage: three_gltf.py PROGRAM DATA [PICTURE], where DATA contains rgl/. It needs Chromium. nicegui contains three.js.
 """
 # needs: numpy openexr pillow js:nicegui
 import base64

@@ -11,8 +11,7 @@ Both draw spheres of the film and the paper. Checks:
   - A material that is saved and loaded draws the same picture.
 
 The test prints the processor time of frames of 256 x 256 pixels, which other programs on the machine hardly change.
-Usage: three_webgpu.py PROGRAM DATA, with the files of three.js in peers/ beside DATA. The test needs the packages numpy and openexr of
-PyPI. It is skipped if one of these is missing.
+Usage: three_webgpu.py PROGRAM DATA, with the files of three.js in peers/ beside DATA. It is skipped without them.
 """
 # needs: numpy openexr
 import importlib.util

@@ -80,7 +80,7 @@ class PyBrdf {
 
   private:
     /// A prepared BRDF, made at the first use.
-    template <typename Prepared> struct PreparedOnFirstUse {
+    template <typename Prepared> struct AtFirstUse {
         std::once_flag flag;
         std::optional<Prepared> prepared;
 
@@ -96,8 +96,8 @@ class PyBrdf {
     std::shared_ptr<const AnyBrdf> content_;
     std::shared_ptr<const Origin> origin_;
     bool exchanged_ = false;
-    std::shared_ptr<PreparedOnFirstUse<PreparedBrdf>> front_ = std::make_shared<PreparedOnFirstUse<PreparedBrdf>>();
-    std::shared_ptr<PreparedOnFirstUse<PreparedBsdf>> sides_ = std::make_shared<PreparedOnFirstUse<PreparedBsdf>>();
+    std::shared_ptr<AtFirstUse<PreparedBrdf>> front_ = std::make_shared<AtFirstUse<PreparedBrdf>>();
+    std::shared_ptr<AtFirstUse<PreparedBsdf>> sides_ = std::make_shared<AtFirstUse<PreparedBsdf>>();
 };
 
 inline Array values_of(const PyBrdf& brdf, const Array& wl, const Array& wv) {

@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <ranges>
 #include <vector>
 
 #include "api/table_file.h"
@@ -307,8 +308,16 @@ SRBF_EXPORT(model_file) int model_file(int number) {
     return model ? set_content(std::span<const std::byte>(write_model(*model))) : fail(unknown("that of a model"));
 }
 
-/// Sets the content to shading code of a model: glsl, hlsl, wgsl, msl, c, three or unity. `sampling` adds NAME_sample
-/// and NAME_pdf, `environment` NAME_environment.
+/// Sets the content to the names that `code` takes, as JSON.
+SRBF_EXPORT(code_languages) int code_languages() {
+    Json names;
+    for (const CodeLanguageRow& row : k_code_languages) names.push_back(row.name);
+    for (const CodeModule& module : code_modules()) names.push_back(module.name);
+    return set_json(names);
+}
+
+/// Sets the content to shading code of a model. `sampling` adds NAME_sample and NAME_pdf, `environment`
+/// NAME_environment.
 SRBF_EXPORT(code) int code(int number, const char* language, std::size_t size, int sampling, int environment) {
     const LoadedFile* subject = subject_of(number);
     const Model* model = model_of(subject);
@@ -329,7 +338,9 @@ SRBF_EXPORT(code) int code(int number, const char* language, std::size_t size, i
         if (environment != 0) options.with = {"environment"};
         return set_result(shading_code(named, name, options));
     }
-    return fail(invalid("code", "language", "three, unity or " + code_language_names(), to));
+    const auto modules = std::views::transform(code_modules(), &CodeModule::name);
+    return fail(
+        invalid("code", "language", fmt::format("{} or {}", fmt::join(modules, ", "), code_language_names()), to));
 }
 
 /// Sets the content to a script that makes a material for Blender from a measurement or a model.

@@ -43,7 +43,7 @@ export interface Report {
   smoothed?: Seen;
 }
 
-export type Language = "glsl" | "hlsl" | "wgsl" | "msl" | "c" | "three" | "three-webgpu" | "unity";
+export type Language = {{languages}};
 
 /** A measurement or a model. */
 export interface Brdf {

@@ -1,6 +1,10 @@
 // Models for tests.
 #pragma once
+#include <nlohmann/json.hpp>
+
 #include "base/half.h"
+#include "base/text.h"
+#include "brdf/values.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/ggx/ggx_kind.h"
 #include "models/model_files.h"
@@ -66,19 +70,34 @@ inline TexelMap random_map(std::mt19937_64& random, const RandomModelOptions& op
     return rounded(map);
 }
 
+/// The length of the header of a model file [bytes], and the header, which stands behind it.
+inline std::size_t header_length_of(std::span<const std::byte> file) {
+    std::size_t length = 0;
+    for (std::size_t i = 8; i-- > 0;) length = length << 8 | std::to_integer<std::size_t>(file[i]);
+    return length;
+}
+inline nlohmann::json header_of(std::span<const std::byte> file) {
+    return nlohmann::json::parse(as_text(file.subspan(8, header_length_of(file))));
+}
+/// The 16-bit number at a position of a file.
+inline std::uint16_t uint16_at(std::span<const std::byte> file, std::size_t position) {
+    return std::uint16_t(std::to_integer<unsigned>(file[position]) | std::to_integer<unsigned>(file[position + 1])
+                                                                         << 8);
+}
+
+/// A part of a BSDF with random lobes, whose colours are a tenth of those of `random_model`.
 inline std::shared_ptr<const Model> random_part(std::uint64_t seed, const RandomModelOptions& options) {
     std::mt19937_64 random(seed);
     PmModel model = random_model(random, options);
-    for (Rgb& colour : model.coefficient) colour = {0.1f * colour.r, 0.1f * colour.g, 0.1f * colour.b};
+    for (Rgb& colour : model.coefficient) colour = scaled(0.1f, colour);
     return std::make_shared<const Model>(Model{model, {}});
 }
 
 /// A BSDF of four models of different kinds, with beams.
 inline BsdfModel lobe_bsdf_with_beams(double max_bandwidth = 30) {
     BsdfModel bsdf;
-    const PmForm form = PmForm::horizon;
     for (std::size_t p = 0; p < k_parts; ++p)
-        bsdf.part[p] = random_part(p + 1, {.lobes = 3, .max_bandwidth = max_bandwidth, .form = form});
+        bsdf.part[p] = random_part(p + 1, {.lobes = 3, .max_bandwidth = max_bandwidth, .form = PmForm::horizon});
     bsdf.beam[0] = {{0.f, 1.f}, {{0.1f, 0.1f, 0.1f}, {0.2f, 0.2f, 0.2f}}};
     bsdf.beam[2] = {
         {0.5f, 0.9f}, {{0.3f, 0.2f, 0.1f}, {0.1f, 0.2f, 0.1f}, {0.2f, 0.1f, 0.3f}, {0.4f, 0.1f, 0}}, {1, 3}};

@@ -60,14 +60,13 @@ TEST(Bsdf, MissingPartsHaveTheValuesOfTheirCounterparts) {
     }
     Model swapped = model;
     exchange(swapped);
-    const Model whole{lobe_bsdf_with_beams(), {}};
-    Model whole_swapped = whole;
-    exchange(whole_swapped);
-    for (const auto& [wl, wv] : random_pairs(200))
-        for (int c = 0; c < 3; ++c) {
-            EXPECT_WITHIN(value(swapped, wl, wv)[c], value(model, wv, wl)[c], 1e-6);
-            EXPECT_WITHIN(value(whole_swapped, wl, wv)[c], value(whole, wv, wl)[c], 1e-6);
-        }
+    const Model complete{lobe_bsdf_with_beams(), {}};
+    Model complete_swapped = complete;
+    exchange(complete_swapped);
+    for (const auto& [wl, wv] : random_pairs(200)) {
+        EXPECT_RGB_WITHIN(value(swapped, wl, wv), value(model, wv, wl), 1e-6);
+        EXPECT_RGB_WITHIN(value(complete_swapped, wl, wv), value(complete, wv, wl), 1e-6);
+    }
 }
 
 TEST(Bsdf, FilesKeepAllParts) {
@@ -84,9 +83,7 @@ TEST(Bsdf, FilesKeepAllParts) {
     EXPECT_FALSE(read.part[1]);
     EXPECT_TRUE(std::holds_alternative<GgxModel>(read.part[2]->model));
     for (const auto& [wl, wv] : random_pairs(200))
-        for (int c = 0; c < 3; ++c)
-            EXPECT_WITHIN(value(*again, wl, wv)[c], value(model, wl, wv)[c],
-                          1e-4 + 0.02 * double(value(model, wl, wv)[c]));
+        EXPECT_RGB_WITHIN_RELATIVE(value(*again, wl, wv), value(model, wl, wv), 0.02, 1e-4);
     for (std::size_t size = 0; size < bytes.size(); size += 7)
         EXPECT_FALSE(read_model(std::span(bytes).first(size), "m").ok());
 }
@@ -96,8 +93,7 @@ TEST(Bsdf, RefusesBadBeams) {
     const auto error_of = [](std::vector<int> azimuths, std::size_t nodes) {
         BsdfModel bsdf = lobe_bsdf_with_beams();
         bsdf.beam[2] = {{0.25f, 0.5f}, std::vector<Rgb>(nodes, Rgb{0.1f, 0.2f, 0.3f}), std::move(azimuths)};
-        const auto again = read_model(write_model({bsdf, {}}), "f");
-        return error_text(again);
+        return error_text(read_model(write_model({bsdf, {}}), "f"));
     };
     EXPECT_EQ(error_of({1, 3}, 4), "");
     EXPECT_EQ(error_of({1, 3}, 3), "f: tensor 'beam.transmission.share': shape: expected [4, 3], found [3, 3]");
@@ -116,9 +112,10 @@ TEST(Bsdf, SamplesFollowTheDensity) {
         const Vec3f wv = to_float(spherical(theta * k_degree, 0.7));
         std::mt19937_64 random(std::uint64_t(++test));
         const auto next = [&] { return float(uniform(random)); };
-        PolarBins bins{{0, 0, 1}, {0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6, 1.8, 1.9, 2}};
+        const PolarBins bins = sphere_bins();
         const auto density = [&](Vec3d w) { return double(pdf(bsdf, to_float(w), wv)); };
-        std::vector<double> expected = bins.integrals(density, 48), observed(bins.size());
+        const std::vector<double> mass = bins.integrals(density, 48);
+        std::vector<double> observed(bins.size());
         constexpr int count = 200000;
         int beams = 0, lost = 0;
         double scattered = 0, squares = 0, by_beam = 0;
@@ -144,20 +141,13 @@ TEST(Bsdf, SamplesFollowTheDensity) {
             observed[bins.index(to_double(drawn.wl))] += 1;
             scattered += double(drawn.weight.r), squares += std::pow(double(drawn.weight.r), 2);
         }
-        double mass = 0;
-        for (double& m : expected) mass += m, m *= count;
-        EXPECT_WITHIN(mass + double(beams + lost) / count, 1, 5e-3);
-        // The expected counts are scaled to as many samples as were drawn.
-        double drawn = 0, due = 0;
-        for (std::size_t i = 0; i < observed.size(); ++i) drawn += observed[i], due += expected[i];
-        for (double& m : expected) m *= drawn / due;
-        EXPECT_GT(chi2_p_value(observed, expected), sidak(0.01, 4)) << theta;
+        EXPECT_WITHIN(sum_of(mass) + double(beams + lost) / count, 1, 5e-3);
+        EXPECT_GT(chi2_p_value_of_shape(observed, mass), sidak(0.01, 4)) << theta;
         // Weights are unbiased: the light that arrives, and that of the beams.
-        double whole = 0;
-        const auto each = [&](Vec3d w) { return double(value(bsdf, to_float(w), wv).r) * std::abs(w.z); };
-        for (const double m : bins.integrals(each, 48)) whole += m;
+        const double reflected =
+            sum_of(bins.integrals([&](Vec3d w) { return double(value(bsdf, to_float(w), wv).r) * std::abs(w.z); }, 48));
         const double mean = scattered / count, deviation = std::sqrt((squares / count - mean * mean) / count);
-        EXPECT_WITHIN(mean, whole, 4 * deviation + 2e-3 * whole);
+        EXPECT_WITHIN(mean, reflected, 4 * deviation + 2e-3 * reflected);
         const Beams beam = lobe_bsdf_with_beams().beam;
         const Vec3f from = mirror(wv);
         const bool front = theta < 90;

@@ -25,6 +25,14 @@ template <typename Change> Evaluate with_values(Evaluate brdf, Change change) {
     };
 }
 
+/// Objectives, each with the measure that it minimises.
+inline constexpr std::pair<Objective, double Measures::*> k_objective_measures[] = {
+    {Objective::raw, &Measures::squared_error_ratio},
+    {Objective::cosine, &Measures::squared_error_ratio_cosine},
+    {Objective::log, &Measures::log_rms_cosine},
+    {Objective::cube_root, &Measures::cube_root_error_ratio},
+    {Objective::relative, &Measures::log10_rms}};
+
 /// The measures of one BRDF against the reference at held-out pairs up to `max_theta`.
 inline Measures heldout_measures(const Evaluate& reference, const Evaluate& brdf, double max_theta = 80 * k_degree,
                                  std::uint64_t pairs = k_heldout_pairs) {

@@ -3,6 +3,7 @@
 #include "observe/excess.h"
 
 #include "brdf/directions.h"
+#include "brdf_functions.h"
 #include "models/pm/search/subsets.h"
 #include "observe/observations.h"
 #include "observe/pairs.h"
@@ -12,11 +13,7 @@ namespace srbf::excess_test {
 namespace {
 
 Observations lambertian_observations() {
-    return *observe(
-        [](auto, auto, auto f) {
-            std::fill(f.begin(), f.end(), Rgb{0.3f, 0.3f, 0.3f});
-        },
-        {Objective::cosine, 0, 1 << 16, 4});
+    return *observe(constant_brdf({0.3f, 0.3f, 0.3f}), {Objective::cosine, 0, 1 << 16, 4});
 }
 
 /// A constant, and a lobe of 1e6 about grazing directions of light and viewer, both at one azimuth.

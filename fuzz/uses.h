@@ -1,6 +1,7 @@
 // The target that uses what a file holds: it prepares, evaluates and samples it, and runs the program on it.
 #pragma once
 #include "../test/support/exports.h"
+#include "../test/support/models.h"
 #include "in_process.h"
 #include "targets.h"
 
@@ -76,7 +77,7 @@ inline void check_uses(std::span<const std::byte> bytes) {
     check_samples(prepared);
     if (sum % 8 == 0) return check_albedo(prepared);
 
-    if (!is_model) write("model", write_model({GgxModel{{0.1f, 0.1f, 0.1f}, {{0.4f, {0.5f, 0.5f, 0.5f}, 1}}}, {}}));
+    if (!is_model) write("model", write_model({grey_facets(), {}}));
     const Uses& uses = is_model ? model_uses : measurement_uses;
     const auto run = [&](const Use& use) {
         std::vector<std::string> words = use.words;

@@ -19,18 +19,7 @@ namespace {
 const std::vector<std::string> k_bundled{"paper_white_rgb", "cc_ibiza_sunset_rgb"};
 
 /// A highlight a few degrees wide over a diffuse base.
-PmModel glossy() {
-    PmModel model;
-    model.form = PmForm::gaussian;
-    model.lobes = 2;
-    model.variates = 1;
-    model.coefficient = {{8, 7, 6}, {0.1f, 0.2f, 0.3f}};
-    model.log_scale = {0, 0};
-    model.centre = {{0, 0, 1}, {0, 0, 1}};
-    model.bandwidth = {400, 0};
-    model.parameterization = {{1, 1}};
-    return model;
-}
+PmModel glossy() { return axial_gaussians({{8, 7, 6}, {0.1f, 0.2f, 0.3f}}, {400, 0}); }
 
 double error_ratio(const Evaluate& reference, const Evaluate& other) {
     return heldout_measures(reference, other, 80 * k_degree, 50000).squared_error_ratio;

@@ -22,6 +22,19 @@ struct RandomModelOptions {
     PmForm form = PmForm::gaussian;
 };
 
+/// A sum of Gaussians of the half vector about the normal, with these colours and bandwidths.
+inline PmModel axial_gaussians(std::vector<Rgb> colours, std::vector<float> bandwidths) {
+    PmModel model;
+    model.lobes = int(colours.size());
+    model.variates = 1;
+    model.log_scale.assign(colours.size(), 0);
+    model.centre.assign(colours.size(), {0, 0, 1});
+    model.parameterization = {{1, 1}};
+    model.coefficient = std::move(colours);
+    model.bandwidth = std::move(bandwidths);
+    return model;
+}
+
 /// A model with random numbers in the range of fits.
 inline PmModel random_model(std::mt19937_64& random, const RandomModelOptions& options) {
     PmModel model;
@@ -104,6 +117,8 @@ inline BsdfModel lobe_bsdf_with_beams(double max_bandwidth = 30) {
     bsdf.beam[3] = {{0.25f}, {{0.1f, 0.1f, 0.1f}, {0.3f, 0.3f, 0.3f}}, {2}};
     return bsdf;
 }
+
+inline GgxModel grey_facets() { return {{0.1f, 0.1f, 0.1f}, {{0.4f, {0.5f, 0.5f, 0.5f}, 1}}}; }
 
 /// A BSDF of four models of Lambert and GGX.
 inline BsdfModel ggx_bsdf() {

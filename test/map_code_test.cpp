@@ -18,8 +18,9 @@ namespace srbf::map_code_test {
 namespace {
 
 constexpr std::size_t k_width = 8, k_height = 4;
+constexpr double k_least = 1e-30;  ///< tolerance of values that are 0
 
-/// Returns a random map, of axial lobes or of general ones.
+/// A random map, of axial lobes or of general ones.
 TexelMap map_of(bool axial, std::size_t width = k_width, std::size_t height = k_height) {
     std::mt19937_64 random(axial ? 1 : 2);
     return random_map(random, {axial, true, 5, 3, 60, PmForm::extended}, width, height);
@@ -30,7 +31,7 @@ std::string code(const TexelMap& map, CodeLanguage language, bool albedo = true)
     return text ? *text : (ADD_FAILURE() << message(text.error()), "");
 }
 
-/// Holds a file of KTX 2.0 as its specification describes it: the numbers of its header, and levels of its texels.
+/// A file of KTX 2.0 as its specification describes it: the numbers of its header, and levels of its texels.
 template <typename Number> struct TextureOf {
     std::vector<std::uint32_t> header;
     std::vector<std::vector<Number>> levels;
@@ -88,11 +89,8 @@ Rgb mean(const TexelMap& map, const std::vector<std::size_t>& texels, const Dire
     }
     return sum;
 }
-void expect_near(const Rgb& found, const Rgb& expected, float relative, const std::string& texel) {
-    EXPECT_RGB_WITHIN_RELATIVE(found, expected, relative, 1e-30) << texel;
-}
 
-class MapCode : public CodeTest {};
+using MapCode = CodeTest;
 
 TEST_F(MapCode, HasTheValuesOfTheTexels) {
     for (const bool axial : {true, false}) {
@@ -126,8 +124,9 @@ TEST_F(MapCode, HasTheValuesOfTheTexels) {
             for (std::size_t i = 40 * t; i < 40 * (t + 1); ++i) {
                 std::array<Rgb, 2> found;
                 answer(texels.data(), &at[i], uv.data(), found.data());
-                expect_near(found[0], value(model, at[i].wl, at[i].wv), 2e-4f, "value");
-                if (prepared) expect_near(found[1], albedo(*prepared, at[i].wv.z), 2e-4f, "albedo");
+                EXPECT_RGB_WITHIN_RELATIVE(found[0], value(model, at[i].wl, at[i].wv), 2e-4, k_least);
+                if (!prepared) continue;
+                EXPECT_RGB_WITHIN_RELATIVE(found[1], albedo(*prepared, at[i].wv.z), 2e-4, k_least);
             }
         }
     }
@@ -236,10 +235,10 @@ struct TexelArea {
     std::array<float, 4> uv;  // and the level
 };
 TexelArea texel_area(std::size_t x0, std::size_t y0, std::size_t size, float level) {
-    TexelArea place{{}, {(float(x0) + float(size) / 2) / k_width, (float(y0) + float(size) / 2) / k_height, level, 0}};
+    TexelArea area{{}, {(float(x0) + float(size) / 2) / k_width, (float(y0) + float(size) / 2) / k_height, level, 0}};
     for (std::size_t y = y0; y < y0 + size; ++y)
-        for (std::size_t x = x0; x < x0 + size; ++x) place.texels.push_back(y * k_width + x);
-    return place;
+        for (std::size_t x = x0; x < x0 + size; ++x) area.texels.push_back(y * k_width + x);
+    return area;
 }
 /// Corners of texels, where a filter takes the mean of four, and middles of texels of the coarser levels.
 std::vector<TexelArea> texel_areas() {
@@ -307,18 +306,18 @@ TEST_F(MapCode, FilteredTexturesAreMeansOfBrdfs) {
         ASSERT_NE(program, 0u);
         bind_layers(map);
         std::vector<std::array<float, 4>> questions;
-        for (const TexelArea& place : all)
+        for (const TexelArea& area : all)
             for (const DirectionPair& pair : at) {
                 questions.push_back({pair.wl.x, pair.wl.y, pair.wl.z, 0});
                 questions.push_back({pair.wv.x, pair.wv.y, pair.wv.z, 0});
-                questions.push_back(place.uv);
+                questions.push_back(area.uv);
             }
         const auto answers = answers_of(program, questions);
         EXPECT_EQ(glGetError(), GLenum(GL_NO_ERROR));
         for (std::size_t i = 0; i < answers.size(); ++i) {
-            const TexelArea& place = all[i / at.size()];
-            expect_near({answers[i][0], answers[i][1], answers[i][2]}, mean(map, place.texels, at[i % at.size()]),
-                        1e-3f, fmt::format("level {}", place.uv[2]));
+            const TexelArea& area = all[i / at.size()];
+            EXPECT_RGB_WITHIN_RELATIVE(answers[i], mean(map, area.texels, at[i % at.size()]), 1e-3, k_least)
+                << "level " << area.uv[2];
         }
     }
 }

@@ -2,6 +2,7 @@
 // that keeps its contract.
 #include <nlohmann/json.hpp>
 
+#include "model_bytes.h"
 #include "models.h"
 #include "models/su/su_functions.h"
 #include "srbf/file.h"

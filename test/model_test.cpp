@@ -1,6 +1,7 @@
 // Models and their files: a file has the promised bytes, and reading it gives the written model.
 #include "srbf/model.h"
 
+#include "model_bytes.h"
 #include "models.h"
 #include "models/kind/parameters.h"
 #include "models/pm/pm_functions.h"

@@ -17,10 +17,10 @@ using BsdfCode = CodeTest;
 /// BSDFs with parts of their own, with parts that their counterparts answer for, and with one that is 0.
 std::vector<Model> bsdfs() {
     std::vector<Model> all(3, Model{lobe_bsdf_with_beams(), {}});
-    auto& shared = std::get<BsdfModel>(all[1].model);
-    shared.part[1].reset(), shared.part[3].reset();
-    shared.beam = {};
-    shared.beam[1] = {{0.2f, float(k_pi / 2)}, {{0.3f, 0.2f, 0.1f}, {0.1f, 0.2f, 0.3f}}};
+    auto& sharing = std::get<BsdfModel>(all[1].model);
+    sharing.part[1].reset(), sharing.part[3].reset();
+    sharing.beam = {};
+    sharing.beam[1] = {{0.2f, float(k_pi / 2)}, {{0.3f, 0.2f, 0.1f}, {0.1f, 0.2f, 0.3f}}};
     auto& one_way = std::get<BsdfModel>(all[2].model);
     one_way.part[0].reset(), one_way.part[1].reset();
     one_way.part[2] = std::make_shared<const Model>(
@@ -42,7 +42,7 @@ std::string code_of_bsdfs(const std::vector<Model>& all, CodeLanguage language) 
 }
 
 /// One C function that calls the exported function that its argument names.
-enum Asked { value_of, beam, mirror_beam, drawn, density };
+enum Question { value_of, beam, mirror_beam, drawn, density };
 const char* const k_answer_text =
     "enum { VALUE, BEAM, MIRROR_BEAM, SAMPLE, PDF };\n"
     "void answer(int m, int what, const float* l, const float* v, float* to);\n"
@@ -58,11 +58,11 @@ const char* const k_answer_text =
     "    if (what == PDF) w.x = m == 0 ? b0_pdf(a, wv) : m == 1 ? b1_pdf(a, wv) : b2_pdf(a, wv);\n"
     "    to[0] = w.x, to[1] = w.y, to[2] = w.z;\n}\n";
 /// The answers of one BSDF's code.
-using Answer = std::function<Rgb(Asked what, Vec3f l, Vec3f v)>;
+using Answer = std::function<Rgb(Question what, Vec3f l, Vec3f v)>;
 
 void expect_nothing_of_nan(const Answer& answer) {
     for (const Vec3f none : {Vec3f(NAN, NAN, NAN), {NAN, 0, 1}, {0, NAN, -1}, {0, 0, NAN}})
-        for (const Asked what : {value_of, density, beam, mirror_beam}) {
+        for (const Question what : {value_of, density, beam, mirror_beam}) {
             EXPECT_EQ(answer(what, {0, 0.6f, 0.8f}, none), Rgb()) << what;
             if (what == beam || what == mirror_beam) continue;
             EXPECT_EQ(answer(what, none, {0, 0.6f, -0.8f}), Rgb()) << what;
@@ -130,7 +130,7 @@ TEST_F(BsdfCode, AnswersAsTheLibrary) {
     std::mt19937_64 random(7);
     for (std::size_t m = 0; m < all.size(); ++m) {
         SCOPED_TRACE(m);
-        const Answer answer = [&](Asked what, Vec3f l, Vec3f v) {
+        const Answer answer = [&](Question what, Vec3f l, Vec3f v) {
             const std::array<float, 3> a{l.x, l.y, l.z}, b{v.x, v.y, v.z};
             std::array<float, 3> to{};
             called(int(m), what, a.data(), b.data(), to.data());

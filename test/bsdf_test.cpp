@@ -27,21 +27,21 @@ std::vector<std::pair<Vec3f, Vec3f>> random_pairs(int count) {
 TEST(Bsdf, PartsHaveFramesOfTheirOwn) {
     const Model model{lobe_bsdf_with_beams(), {}};
     const auto& parts = std::get<BsdfModel>(model.model).part;
-    std::array<int, k_parts> asked{};
+    std::array<int, k_parts> pairs_of_part{};
     std::vector<Vec3f> lights, views;
     for (const auto& [wl, wv] : random_pairs(400)) {
-        const auto at = to_part_frame(wl, wv);
-        ASSERT_TRUE(at.has_value());
-        ++asked[std::size_t(at->part)];
-        EXPECT_EQ(is_transmission(at->part), wl.z * wv.z < 0);
-        EXPECT_EQ(is_back(at->part), wl.z < 0);
-        EXPECT_EQ(to_side(at->wl, side_of_light(at->part)), wl);
-        EXPECT_EQ(to_side(at->wv, side_of_viewer(at->part)), wv);
-        EXPECT_EQ(value(model, wl, wv), value(*parts[std::size_t(at->part)], at->wl, at->wv));
+        const auto framed = to_part_frame(wl, wv);
+        ASSERT_TRUE(framed.has_value());
+        ++pairs_of_part[std::size_t(framed->part)];
+        EXPECT_EQ(is_transmission(framed->part), wl.z * wv.z < 0);
+        EXPECT_EQ(is_back(framed->part), wl.z < 0);
+        EXPECT_EQ(to_side(framed->wl, side_of_light(framed->part)), wl);
+        EXPECT_EQ(to_side(framed->wv, side_of_viewer(framed->part)), wv);
+        EXPECT_EQ(value(model, wl, wv), value(*parts[std::size_t(framed->part)], framed->wl, framed->wv));
         EXPECT_EQ(to_part_frame(wl, {-wl.x, -wl.y, -wl.z})->wv, mirror(to_part_frame(wl, wl)->wl));
         lights.push_back(wl), views.push_back(wv);
     }
-    for (const int n : asked) EXPECT_GT(n, 50);
+    for (const int n : pairs_of_part) EXPECT_GT(n, 50);
     std::vector<Rgb> f(lights.size());
     evaluator(model)(lights, views, f);
     for (std::size_t i = 0; i < f.size(); ++i) EXPECT_RGB_WITHIN(f[i], value(model, lights[i], views[i]), 1e-5);
@@ -75,15 +75,15 @@ TEST(Bsdf, FilesKeepAllParts) {
     bsdf.part[1].reset();
     bsdf.part[2] = std::make_shared<const Model>(Model{GgxModel{{0.1f, 0.2f, 0.3f}, {GgxModel::Lobe{}}}, {}});
     const auto bytes = write_model(model);
-    const auto again = checked(read_model(bytes, "m"));
-    EXPECT_EQ(write_model(*again), bytes);
-    EXPECT_EQ(again->provenance, model.provenance);
-    EXPECT_EQ(payload_bytes(*again), payload_bytes(model));
-    const auto& read = std::get<BsdfModel>(again->model);
+    const auto reread = checked(read_model(bytes, "m"));
+    EXPECT_EQ(write_model(*reread), bytes);
+    EXPECT_EQ(reread->provenance, model.provenance);
+    EXPECT_EQ(payload_bytes(*reread), payload_bytes(model));
+    const auto& read = std::get<BsdfModel>(reread->model);
     EXPECT_FALSE(read.part[1]);
     EXPECT_TRUE(std::holds_alternative<GgxModel>(read.part[2]->model));
     for (const auto& [wl, wv] : random_pairs(200))
-        EXPECT_RGB_WITHIN_RELATIVE(value(*again, wl, wv), value(model, wl, wv), 0.02, 1e-4);
+        EXPECT_RGB_WITHIN_RELATIVE(value(*reread, wl, wv), value(model, wl, wv), 0.02, 1e-4);
     for (std::size_t size = 0; size < bytes.size(); size += 7)
         EXPECT_FALSE(read_model(std::span(bytes).first(size), "m").ok());
 }
@@ -204,11 +204,11 @@ TEST(Bsdf, IsConverted) {
     for (const char* name : {"x.mbsdf", "x.csv"}) {
         const Format& format = *format_written_to(name);
         const auto bytes = checked(table_file(model, format, {.description = "a leaf", .directions = 48}));
-        const auto again = checked(read_measured(*bytes, "f"));
+        const auto reread = checked(read_measured(*bytes, "f"));
         double error = 0, energy = 0;
         for (const auto& [wl, wv] : random_pairs(2000)) {
             if (std::min(std::abs(wl.z), std::abs(wv.z)) < 0.2) continue;
-            const double a = double(value(std::get<Model>(model), wl, wv).g), b = double(value(*again, wl, wv).g);
+            const double a = double(value(std::get<Model>(model), wl, wv).g), b = double(value(*reread, wl, wv).g);
             error += (a - b) * (a - b), energy += a * a;
         }
         EXPECT_LT(error / energy, format.name == "MBSDF" ? 1e-4 : 2e-2);

@@ -54,7 +54,7 @@ TEST(Colour, MonochromesLieWhereTheObserverSeesThem) {
 TEST(Colour, SmoothSpectraDoNotDependOnTheirSampling) {
     const auto colour_of = [](const std::vector<float>& nm) {
         std::vector<float> spectrum;
-        for (const float at : nm) spectrum.push_back(0.5f + 0.4f * std::sin(at / 60));
+        for (const float wavelength : nm) spectrum.push_back(0.5f + 0.4f * std::sin(wavelength / 60));
         return to_rgb(spectrum, rgb_weights(nm));
     };
     const Rgb fine = colour_of(every(1, 360, 830)), coarse = colour_of(every(5, 360, 830));

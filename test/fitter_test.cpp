@@ -47,8 +47,8 @@ struct RecordedErrors {
 /// The fit with default options, which is made once.
 const FitOutcome& default_fit(const std::string& name) {
     static std::map<std::string, Result<FitOutcome>> made;
-    const auto at = made.find(name);
-    return *(at != made.end() ? at : made.emplace(name, fit(bundled(name), {})).first)->second;
+    const auto entry = made.find(name);
+    return *(entry != made.end() ? entry : made.emplace(name, fit(bundled(name), {})).first)->second;
 }
 
 class DefaultFit : public testing::TestWithParam<RecordedErrors> {

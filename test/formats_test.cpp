@@ -94,8 +94,8 @@ TEST(Formats, NumpyReadsModels) {
                 std::getline(out, number, (i + 1) % expected.count() > 0 ? ',' : '\n');
                 EXPECT_WITHIN(std::atof(number.c_str()), f[i], 1e-3 * double(f[i]) + 1e-9);
             }
-            std::string rest;
-            EXPECT_FALSE(std::getline(out, rest));
+            std::string remainder;
+            EXPECT_FALSE(std::getline(out, remainder));
         }
 }
 

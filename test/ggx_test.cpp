@@ -82,7 +82,7 @@ TEST(Ggx, IsFittedToVisibleDifferences) {
     ASSERT_TRUE(observed.ok() && !observed->views.empty());
     Observations values = *observed;
     values.views.clear();
-    const auto seen = [&](const Observations& fitted, int lobes) {
+    const auto visible_loss = [&](const Observations& fitted, int lobes) {
         const auto fit = Kind<GgxModel>::fit(fitted, {lobes});
         SurfaceData::Outputs colours;
         std::vector<Rgb> f;
@@ -91,8 +91,8 @@ TEST(Ggx, IsFittedToVisibleDifferences) {
         data.compute_outputs(evaluator(fit->model), f, colours);
         return data.loss(colours, slopes);
     };
-    EXPECT_LT(seen(*observed, 2), 0.01);  // ΔE_ITP of 0.1
-    EXPECT_LT(seen(*observed, 1), 0.95 * seen(values, 1));
+    EXPECT_LT(visible_loss(*observed, 2), 0.01);  // ΔE_ITP of 0.1
+    EXPECT_LT(visible_loss(*observed, 1), 0.95 * visible_loss(values, 1));
 }
 
 TEST(Ggx, FitScalesWithTheData) {

@@ -246,10 +246,10 @@ TEST_P(InnerLoops, MultiplyAndResidualMatchTheirFormulas) {
         const double sum = residual(a.data(), beta, pointers(columns), r.data());
         double squares = 0;
         for (std::size_t i = 0; i < k_block; ++i) {
-            double rest = double(a[i]);
-            for (std::size_t j = 0; j < lobes; ++j) rest -= double(beta[j]) * double(columns[j][i]);
-            EXPECT_WITHIN(r[i], rest, 1e-6 * double(lobes + 1));
-            squares += rest * rest;
+            double difference = double(a[i]);
+            for (std::size_t j = 0; j < lobes; ++j) difference -= double(beta[j]) * double(columns[j][i]);
+            EXPECT_WITHIN(r[i], difference, 1e-6 * double(lobes + 1));
+            squares += difference * difference;
         }
         EXPECT_WITHIN_RELATIVE(sum, squares, 1e-5);
     }

@@ -39,9 +39,9 @@ template <typename Number> struct TextureOf {
 };
 using Texture = TextureOf<std::uint16_t>;
 template <typename Number = std::uint16_t> TextureOf<Number> texture_of(std::span<const std::byte> bytes) {
-    const auto number = [&](std::size_t at, auto read) {
-        EXPECT_LE(at + sizeof read, bytes.size());
-        std::memcpy(&read, &bytes[at], sizeof read);
+    const auto number = [&](std::size_t offset, auto read) {
+        EXPECT_LE(offset + sizeof read, bytes.size());
+        std::memcpy(&read, &bytes[offset], sizeof read);
         return read;
     };
     TextureOf<Number> texture;
@@ -59,9 +59,9 @@ template <typename Number = std::uint16_t> TextureOf<Number> texture_of(std::spa
     }
     const std::size_t end = texture.header[11] + texture.header[12];  // the metadata
     EXPECT_LE(end, after);
-    for (std::size_t at = texture.header[11], size = 0; at < end; at += 4 + (size + 3) / 4 * 4) {
-        size = number(at, std::uint32_t());
-        const std::string entry(reinterpret_cast<const char*>(&bytes[at + 4]), size);
+    for (std::size_t offset = texture.header[11], size = 0; offset < end; offset += 4 + (size + 3) / 4 * 4) {
+        size = number(offset, std::uint32_t());
+        const std::string entry(reinterpret_cast<const char*>(&bytes[offset + 4]), size);
         texture.metadata[entry.c_str()] = entry.substr(entry.find('\0') + 1);
     }
     return texture;
@@ -181,15 +181,15 @@ TEST_F(MapCode, BytesAreNearestFractionsOfTheScale) {
         ASSERT_EQ(texture.levels[k].size(), 4 * J * texels);
         std::size_t white = 0;
         for (std::size_t i = 0; i < J * texels; ++i) {
-            const std::uint8_t* const at = &texture.levels[k][4 * (i % J * texels + i / J)];
-            EXPECT_EQ(at[3], 255);
+            const std::uint8_t* const rgba = &texture.levels[k][4 * (i % J * texels + i / J)];
+            EXPECT_EQ(rgba[3], 255);
             for (int c = 0; c < 3; ++c) {
                 const double scale = double(scales[i % J][c]), exact = double(level.coefficient[i][c]);
                 const auto difference = [&](int byte) { return std::abs(scale * srgb_decoded(byte / 255.0) - exact); };
                 EXPECT_LE(exact, scale * (1 + 1e-6));
-                for (const int other : {std::max(at[c] - 1, 0), std::min(at[c] + 1, 255)})
-                    EXPECT_LE(difference(at[c]), difference(other) + 1e-6 * scale);
-                white += at[c] == 255;
+                for (const int other : {std::max(rgba[c] - 1, 0), std::min(rgba[c] + 1, 255)})
+                    EXPECT_LE(difference(rgba[c]), difference(other) + 1e-6 * scale);
+                white += rgba[c] == 255;
             }
         }
         if (k > 0) continue;

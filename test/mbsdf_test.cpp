@@ -137,18 +137,19 @@ TEST(Mbsdf, ReportsErrorsInOneLine) {
 }
 
 TEST(Mbsdf, RefusesSizesBeyondTheFile) {
-    const auto with = [](std::size_t number, std::uint32_t n) {
+    const auto error_with = [](std::size_t number, std::uint32_t n) {
         Bytes bytes = mbsdf_file("", {mbsdf_block(k_reflection, 2, 3, 1, [](int, int, int, int) { return 0.5; })});
         std::memcpy(&bytes[43 + 4 * number], &n, sizeof n);
         return error_text(read_measured(bytes, "f"));
     };
-    EXPECT_EQ(with(0, 2), "f: at 43: type of an MBSDF block: expected 0 (grey) or 1 (RGB), found 2");
-    EXPECT_EQ(with(0, 1), "f: at 55: MBSDF block of 2 x 2 x 3 x 3 numbers: expected 144 bytes, found 48 bytes");
+    EXPECT_EQ(error_with(0, 2), "f: at 43: type of an MBSDF block: expected 0 (grey) or 1 (RGB), found 2");
+    EXPECT_EQ(error_with(0, 1), "f: at 55: MBSDF block of 2 x 2 x 3 x 3 numbers: expected 144 bytes, found 48 bytes");
     for (const std::uint32_t n : {0u, 4097u, 0x80000000u, ~0u}) {
-        EXPECT_CONTAINS(with(1, n), "at 47: dimensions of an MBSDF block: expected each between 1 and 4096, found");
-        EXPECT_CONTAINS(with(2, n), "at 47: dimensions of an MBSDF block");
+        EXPECT_CONTAINS(error_with(1, n),
+                        "at 47: dimensions of an MBSDF block: expected each between 1 and 4096, found");
+        EXPECT_CONTAINS(error_with(2, n), "at 47: dimensions of an MBSDF block");
     }
-    EXPECT_CONTAINS(with(1, 4096), "expected 201326592 bytes, found 48 bytes");
+    EXPECT_CONTAINS(error_with(1, 4096), "expected 201326592 bytes, found 48 bytes");
 }
 
 /// NVIDIA's own files say where the samples stand (docs/formats.md#mbsdf).

@@ -46,13 +46,13 @@ struct Pair {
 /// The pair at the position (h, d, p) in units of nodes, as the docstring of MerlTable says, rotated about the normal.
 Pair pair_at(double h, double d, double p, double rotation) {
     const double theta_h = (h / k_h) * (h / k_h) * k_pi / 2, theta_d = d / k_d * k_pi / 2, phi_d = p / k_p * k_pi;
-    const auto place = [&](Vec3d w) {
+    const auto to_surface = [&](Vec3d w) {
         const double x = std::cos(theta_h) * w.x + std::sin(theta_h) * w.z;
         const double z = std::cos(theta_h) * w.z - std::sin(theta_h) * w.x;
         return rotate(to_float(Vec3d{x, w.y, z}), rotation);
     };
     const Vec3d difference = spherical(theta_d, phi_d);
-    return {place(difference), place(mirror(difference))};
+    return {to_surface(difference), to_surface(mirror(difference))};
 }
 
 TEST(Merl, ReproducesItsNodes) {

@@ -222,11 +222,11 @@ TEST(Albedo, ResolvesSharpLobes) {
     for (const double bandwidth : {100.0, 1000.0, 10000.0, 60000.0}) {
         const Glossy all{1, float(bandwidth), 1000}, base{1, float(bandwidth), 0};
         for (const double theta : {0.0, 30.0, 60.0}) {
-            const double with = albedo(evaluator(all), theta * k_degree, k_pi / 2).r;
-            const double without = albedo(evaluator(base), theta * k_degree, k_pi / 2).r;
+            const double with_lobe = albedo(evaluator(all), theta * k_degree, k_pi / 2).r;
+            const double without_lobe = albedo(evaluator(base), theta * k_degree, k_pi / 2).r;
             const double lobe =
                 1000 * 2 * k_pi * std::cos(theta * k_degree) * (1 / bandwidth - 1 / (bandwidth * bandwidth));
-            EXPECT_WITHIN_RELATIVE(with - without, lobe, 1e-4) << bandwidth << " at " << theta;
+            EXPECT_WITHIN_RELATIVE(with_lobe - without_lobe, lobe, 1e-4) << bandwidth << " at " << theta;
         }
     }
 }

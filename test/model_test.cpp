@@ -94,8 +94,8 @@ TEST(Model, CentresKeepTheirAnglesToTheDigitsOfAHalf) {
         model.centre[i++] = pole;
     for (const double tilt : {1e-7, 1e-5, 1e-4, 1e-3, 1e-2, 0.1})
         for (const double z : {1.0, -1.0})
-            for (const double turn : {0.3, -2.5})
-                model.centre[i++] = to_float(spherical(z > 0 ? tilt : k_pi - tilt, turn));
+            for (const double azimuth : {0.3, -2.5})
+                model.centre[i++] = to_float(spherical(z > 0 ? tilt : k_pi - tilt, azimuth));
     const PmModel once = rounded(model);
     for (std::size_t k = 0; k < model.centre.size(); ++k) {
         const Vec3f a = model.centre[k], b = once.centre[k];

@@ -76,9 +76,9 @@ struct PolarBins {
     }
     Vec3d y() const { return cross(axis, x()); }
     std::size_t index(Vec3d w) const {
-        const double t = 0.5 * dot(w - axis, w - axis), turn = std::atan2(dot(w, y()), dot(w, x())) / (2 * k_pi);
+        const double t = 0.5 * dot(w - axis, w - axis), turns = std::atan2(dot(w, y()), dot(w, x())) / (2 * k_pi);
         const auto ring = std::upper_bound(edge.begin() + 1, edge.end() - 1, t) - edge.begin() - 1;
-        const int sector = std::min(int((turn < 0 ? turn + 1 : turn) * sectors), sectors - 1);
+        const int sector = std::min(int((turns < 0 ? turns + 1 : turns) * sectors), sectors - 1);
         return std::size_t(ring) * std::size_t(sectors) + std::size_t(sector);
     }
     /// The integral of `pdf` over each bin, by midpoints.

@@ -33,6 +33,7 @@ const Material k_materials[] = {
     {"two_lobes", {{0.1f, 0.05f, 0.05f}, {{0.1f, {0.04f, 0.04f, 0.04f}, 1}, {0.4f, {0.1f, 0.1f, 0.1f}, 1}}}},
 };
 
+/// The mean ΔE_ITP of small pictures, of which 1 is just noticeable.
 double visible_error(const Evaluate& truth, const Evaluate& other) {
     constexpr int k_pixels = 32;
     return compare_pictures(truth, {&other, 1}, {.size = k_pixels, .is_isotropic = true})[0].mean.delta_e;

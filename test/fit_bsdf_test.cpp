@@ -63,13 +63,15 @@ FitRequest five_lobes() {
     return {.model = PmRequest{.variates = 3, .size = LobeCount{5}, .effort = 0.25}, .objective = Objective::cosine};
 }
 
+enum class Sides { alike, different };
 /// Expects a fit in at most 400 bytes, whose error is at most 0.5 % and which neither loses nor makes light.
-void expect_good(const std::array<Evaluate, k_parts>& parts, bool sides_are_alike) {
+void expect_good(const std::array<Evaluate, k_parts>& parts, Sides sides) {
     const auto fitted = checked(fit_bsdf(parts, five_lobes()));
     EXPECT_LE(payload_bytes(fitted->model), 400u);
     for (const PartFit& part : fitted->parts) {
         EXPECT_WITHIN(part.squared_error_ratio, 0, 0.005) << name(part.part);
-        EXPECT_EQ(part.answered_by.has_value(), is_back(part.part) && (sides_are_alike || is_transmission(part.part)));
+        EXPECT_EQ(part.answered_by.has_value(),
+                  is_back(part.part) && (sides == Sides::alike || is_transmission(part.part)));
         for (const Hemispherical& sum : part.hemispherical)
             EXPECT_WITHIN(sum.fitted, sum.measured, std::max(0.02 * sum.measured, 0.005))
                 << name(part.part) << " " << sum.theta / k_degree;
@@ -79,8 +81,8 @@ void expect_good(const std::array<Evaluate, k_parts>& parts, bool sides_are_alik
     EXPECT_GT(expect_energy_conserved(fitted->model), 0.1);
 }
 
-TEST(FitBsdf, KeepsTheAlbedosOfARoughSlab) { expect_good(rough_slab(), true); }
-TEST(FitBsdf, KeepsTheAlbedosOfALeaf) { expect_good(leaf(), false); }
+TEST(FitBsdf, KeepsTheAlbedosOfARoughSlab) { expect_good(rough_slab(), Sides::alike); }
+TEST(FitBsdf, KeepsTheAlbedosOfALeaf) { expect_good(leaf(), Sides::different); }
 
 /// `fit` refuses a measurement of two sides, and `fit_bsdf` one of a single side.
 TEST(FitBsdf, IsRequestedByItsOwnFunction) {

@@ -32,26 +32,33 @@ std::mt19937_64 random_at(Vec3f wl, Vec3f wv) {
     return std::mt19937_64(seed);
 }
 
-/// `f` times random factors with standard deviation `noise`, independent at every pair.
-Evaluate noisy(Evaluate f, double noise) {
-    return [=](auto wl, auto wv, auto out) {
-        f(wl, wv, out);
-        for (std::size_t i = 0; i < out.size(); ++i) {
+/// `f` with each value replaced by change(value, random), where the pair seeds the generator.
+template <typename Change> Evaluate with_noise(Evaluate f, Change change) {
+    return [=](auto wl, auto wv, auto values) {
+        f(wl, wv, values);
+        for (std::size_t i = 0; i < values.size(); ++i) {
             std::mt19937_64 random = random_at(wl[i], wv[i]);
-            out[i] = scaled(float(1 + noise * std::sqrt(12.0) * (uniform(random) - 0.5)), out[i]);
+            values[i] = change(values[i], random);
         }
     };
 }
 
+/// A number uniform about 0, with standard deviation 1.
+double uniform_noise(std::mt19937_64& random) { return std::sqrt(12.0) * (uniform(random) - 0.5); }
+
+/// `f` times random factors with standard deviation `noise`, independent at every pair.
+Evaluate noisy(Evaluate f, double noise) {
+    return with_noise(f, [=](const Rgb& value, auto& random) {
+        return scaled(float(1 + noise * uniform_noise(random)), value);
+    });
+}
+
 /// `f` plus independent numbers of these standard deviations.
 Evaluate plus_noise(Evaluate f, const Rgb& deviation) {
-    return [=](auto wl, auto wv, auto out) {
-        f(wl, wv, out);
-        for (std::size_t i = 0; i < out.size(); ++i) {
-            std::mt19937_64 random = random_at(wl[i], wv[i]);
-            for (int c = 0; c < 3; ++c) out[i][c] += deviation[c] * float(std::sqrt(12.0) * (uniform(random) - 0.5));
-        }
-    };
+    return with_noise(f, [=](Rgb value, auto& random) {
+        for (int c = 0; c < 3; ++c) value[c] += deviation[c] * float(uniform_noise(random));
+        return value;
+    });
 }
 
 TEST(Isotropy, IsDetectedDespiteNoise) {

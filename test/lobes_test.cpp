@@ -54,6 +54,8 @@ const PackedObservations& rows() {
 
 Lobes some_lobes() { return {{PmForm::gaussian, 3}, {0.7, 0.1, 1.4}, {40, -2, 1, 3, 0.5, -1.5, -0.7, 4, 2}}; }
 
+LobeProblem problem_of(const PackedObservations& observed, const LobeShape& shape) { return {observed, shape, false}; }
+
 /// Compares 2 Jᵀr from `linearise` with central differences of the loss.
 void check_gradient(LobeProblem& problem, const Eigen::VectorXd& x) {
     Eigen::MatrixXd H;
@@ -93,10 +95,10 @@ TEST(Lobes, SpectralGradientMatchesDifferences) {
     const PackedObservations spectral(o, {.spectra = true});
     EXPECT_EQ(spectral.y.size(), 5u);
     for (const Lobes& lobes : {some_lobes(), reciprocal(general_lobes()), doubled(reciprocal(general_lobes()))}) {
-        LobeProblem problem(spectral, lobes.shape, false);
+        LobeProblem problem = problem_of(spectral, lobes.shape);
         check_gradient(problem, pack(lobes));
     }
-    LobeProblem problem(spectral, {PmForm::gaussian, 3}, false);
+    LobeProblem problem = problem_of(spectral, some_lobes().shape);
     const Eigen::VectorXd x = pack(some_lobes());
     problem.loss(x);
     EXPECT_EQ(problem.beta().cols(), 5);
@@ -110,7 +112,7 @@ TEST(Lobes, GradientMatchesTheLoss) {
     for (const Lobes& lobes :
          {some_lobes(), horizon, extended, general_lobes(), reciprocal(extended), reciprocal(general_lobes()),
           doubled(some_lobes()), doubled(general_lobes()), doubled(reciprocal(general_lobes()))}) {
-        LobeProblem problem(rows(), lobes.shape, false);
+        LobeProblem problem = problem_of(rows(), lobes.shape);
         check_gradient(problem, pack(lobes));
     }
 }
@@ -121,7 +123,7 @@ TEST(Lobes, LossIncludesAlbedo) {
     const double importance = 0.3;
     const PackedObservations rows_with_integrals(o, {.integral_importance = importance});
     for (const Lobes& lobes : {some_lobes(), general_lobes(), reciprocal(general_lobes())}) {
-        LobeProblem problem(rows_with_integrals, lobes.shape, false);
+        LobeProblem problem = problem_of(rows_with_integrals, lobes.shape);
         const Eigen::VectorXd x = pack(lobes);
         const double loss = problem.loss(x);
         check_gradient(problem, x);
@@ -151,7 +153,7 @@ const PackedObservations& rows_with_pictures() {
 
 TEST(Lobes, GradientMatchesTheLossWithPictures) {
     for (const Lobes& lobes : {some_lobes(), extended_lobes(), general_lobes(), reciprocal(general_lobes())}) {
-        LobeProblem problem(rows_with_pictures(), lobes.shape, false);
+        LobeProblem problem = problem_of(rows_with_pictures(), lobes.shape);
         const Eigen::VectorXd x = pack(lobes);
         for (int i = 0; i < 10; ++i) problem.loss(x);  // each starts from the previous coefficients
         check_gradient(problem, x);
@@ -161,7 +163,7 @@ TEST(Lobes, GradientMatchesTheLossWithPictures) {
 TEST(Lobes, LossIncludesPictures) {
     const Observations o = observations(Objective::appearance);
     ASSERT_FALSE(o.views.empty());
-    LobeProblem problem(rows_with_pictures(), {PmForm::gaussian, 3}, false);
+    LobeProblem problem = problem_of(rows_with_pictures(), some_lobes().shape);
     const Eigen::VectorXd x = pack(some_lobes());
     double loss = 0;
     for (int i = 0; i < 10; ++i) loss = problem.loss(x);
@@ -186,13 +188,13 @@ TEST(Lobes, LossIncludesPictures) {
     EXPECT_WITHIN_RELATIVE(problem.delta_e(), delta_e / pixels, 1e-3);
     // Pictures influence the coefficients: coefficients of the pairs alone have a larger visible error.
     const PackedObservations negligible(o, {.picture_importance = 1e-9});
-    LobeProblem without_pictures(negligible, {PmForm::gaussian, 3}, false);
+    LobeProblem without_pictures = problem_of(negligible, some_lobes().shape);
     without_pictures.loss(x);
     EXPECT_LT(problem.delta_e(), 0.98 * without_pictures.delta_e());
 }
 
 TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
-    LobeProblem problem(rows(), {PmForm::gaussian, 3}, false);
+    LobeProblem problem = problem_of(rows(), some_lobes().shape);
     const Lobes lobes = some_lobes();
     const Eigen::VectorXd x = pack(lobes);
     const double loss = problem.loss(x);
@@ -229,7 +231,7 @@ TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
 }
 
 TEST(Lobes, CostOfDroppingIsARiseOfTheLoss) {
-    LobeProblem problem(rows(), {PmForm::gaussian, 3}, false);
+    LobeProblem problem = problem_of(rows(), some_lobes().shape);
     const Lobes lobes{{PmForm::gaussian, 3}, {k_pi / 4, 0, k_pi / 2}, {80, 0, 0, 0, 0, 0, 0, 3, 3}};
     const double loss = problem.loss(pack(lobes));
     const std::vector<double> cost = cost_of_dropping(problem.gram(), problem.beta());
@@ -244,7 +246,7 @@ TEST(Lobes, CostOfDroppingIsARiseOfTheLoss) {
 }
 
 TEST(Lobes, BestAdditionIsTheBestOfItsCandidates) {
-    LobeProblem problem(rows(), {PmForm::gaussian, 3}, false);
+    LobeProblem problem = problem_of(rows(), some_lobes().shape);
     Lobes lobes = some_lobes();
     lobes.parameter.resize(6);
     std::mt19937_64 random(5);
@@ -288,7 +290,7 @@ TEST(Rounding, KeepsDirections) {
 TEST(Rounding, ModelOfReciprocalLobesHasTheirLoss) {
     const Observations o = observations();
     for (const Lobes& lobes : {reciprocal(general_lobes()), doubled(reciprocal(general_lobes()))}) {
-        LobeProblem problem(rows(), lobes.shape, false);
+        LobeProblem problem = problem_of(rows(), lobes.shape);
         const double loss = problem.loss(pack(lobes));
         const PmModel model = to_model(problem, lobes);
         EXPECT_TRUE(is_reciprocal(model));
@@ -299,7 +301,7 @@ TEST(Rounding, ModelOfReciprocalLobesHasTheirLoss) {
 TEST(Rounding, IsAtLeastAsGoodAsRoundingEachNumber) {
     for (const PackedObservations* observed : {&rows(), &rows_with_pictures()})
         for (const Lobes& lobes : {some_lobes(), extended_lobes(), general_lobes(), reciprocal(extended_lobes())}) {
-            LobeProblem problem(*observed, lobes.shape, false);
+            LobeProblem problem = problem_of(*observed, lobes.shape);
             Eigen::VectorXd x = pack(lobes);
             const double unrounded = levenberg_marquardt(problem, x, {.max_iterations = 30}).loss;
             const Lobes best = unpack(x, lobes.shape);

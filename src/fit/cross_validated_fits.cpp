@@ -113,15 +113,6 @@ Comparison compared(const ScatteredSamples& samples, const FitRequest& request, 
 
 }  // namespace
 
-ObserveSamplesOptions observe_options(const FitRequest& request) {
-    return {request.objective,
-            request.theta(),
-            request.seed,
-            request.spectral,
-            std::holds_alternative<PmRequest>(request.model),
-            request.threads};
-}
-
 Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, std::span<const int> fold,
                                   const SampleObservations* observed, const FitRequest& request,
                                   const ProgressToken& progress) {
@@ -140,7 +131,7 @@ Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, std::span<con
         PmFitOptions fewer = options;
         fewer.starts = k_fold_starts;
         if (!observed) return fit_observed_samples(training, nullptr, request, fewer, part);
-        const auto fold_fit = observe(training, observe_options(request), part.subrange(0, k_observed_of_fold));
+        const auto fold_fit = observe(training, observe_samples_options(request), part.subrange(0, k_observed_of_fold));
         if (!fold_fit) return fold_fit.error();
         return fit_observed_samples(training, &*fold_fit, request, fewer, part.subrange(k_observed_of_fold, 1));
     };

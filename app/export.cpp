@@ -164,8 +164,9 @@ Result<std::string> surface(const ExportCommand& command, const SurfaceFile& row
 
 CodeOptions code_options(const ExportCommand& command, CodeLanguage language) {
     CodeOptions options{.language = language, .with = command.with};
-    options.sampling = std::erase(options.with, "sampling") > 0,
-    options.albedo = std::erase(options.with, "albedo") > 0, options.blend = std::erase(options.with, "blend") > 0;
+    options.sampling = std::erase(options.with, "sampling") > 0;
+    options.albedo = std::erase(options.with, "albedo") > 0;
+    options.blend = std::erase(options.with, "blend") > 0;
     return options;
 }
 

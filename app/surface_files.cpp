@@ -344,16 +344,16 @@ std::string gltf_text(Gltf document) {
 std::string glb_bytes(const Gltf& document) {
     std::string text = document.json.dump(),
                 bytes(reinterpret_cast<const char*>(document.bytes.data()), document.bytes.size());
-    text.resize((text.size() + 3) / 4 * 4, ' '), bytes.resize((bytes.size() + 3) / 4 * 4, '\0');
-    std::string file = "glTF";
-    const auto add = [&](std::size_t x) {
-        for (int k = 0; k < 4; ++k) file += char(x >> (8 * k) & 0xff);
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    bytes.resize((bytes.size() + 3) / 4 * 4, '\0');
+    const auto little_endian = [](std::size_t x) {
+        std::string word;
+        for (int k = 0; k < 4; ++k) word += char(x >> (8 * k) & 0xff);
+        return word;
     };
     constexpr std::size_t k_version = 2, k_head = 12, k_chunk_head = 8;
-    add(k_version), add(k_head + 2 * k_chunk_head + text.size() + bytes.size());
-    add(text.size()), file += "JSON" + text;
-    add(bytes.size()), file += std::string("BIN\0", 4) + bytes;
-    return file;
+    return "glTF" + little_endian(k_version) + little_endian(k_head + 2 * k_chunk_head + text.size() + bytes.size()) +
+           little_endian(text.size()) + "JSON" + text + little_endian(bytes.size()) + std::string("BIN\0", 4) + bytes;
 }
 
 // ---- Blender ----

@@ -53,14 +53,11 @@ inline py::dict fit_brdf(const PyBrdf& brdf, const FitRequest& request, const py
     if (is_two_sided(brdf.content())) {
         BsdfOutcome outcome = required(in_background(
             progress, [&](const ProgressToken& token) { return fit_bsdf(*brdf.measured(), request, token); }));
-        py::dict result, errors;
+        py::dict errors;
         for (const PartFit& part : outcome.parts)
             errors[py::str(std::string(name(part.part)))] = part.squared_error_ratio;
+        py::dict result = outcome_of({.model = std::move(outcome.model), .fit_seconds = outcome.fit_seconds});
         result["errors"] = errors;
-        result["seconds"] = outcome.fit_seconds;
-        result["reached"] = true;
-        result["stop_reason"] = py::none();
-        result["model"] = PyBrdf(std::move(outcome.model));
         return result;
     }
     FitOutcome outcome = required(

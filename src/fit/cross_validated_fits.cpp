@@ -58,7 +58,9 @@ Result<FitOutcome> fit_observed_samples(const ScatteredSamples& samples, const S
                        ? outcome_of(fit_pm(*observed, pm, progress))
                        : fit_by_kind(request, observed->samples, samples.isotropic, progress);
     if (progress.cancelled()) return cancelled_error("fit");
-    if (outcome) outcome->masked = observed->samples.masked, outcome->clamped = observed->samples.clamped;
+    if (!outcome) return outcome;
+    outcome->masked = observed->samples.masked;
+    outcome->clamped = observed->samples.clamped;
     return outcome;
 }
 
@@ -106,7 +108,7 @@ Comparison compared(const ScatteredSamples& samples, const FitRequest& request, 
     std::vector<float> f(predicted.size());
     channels(model).evaluate(samples.wl, samples.wv, f);
     Comparison errors{measured_against(f), measured_against(predicted), 0};
-    errors.samples_delta_e = shown_error(samples, model, request.theta()),
+    errors.samples_delta_e = shown_error(samples, model, request.theta());
     errors.measure = measure_of(request.objective);
     return errors;
 }

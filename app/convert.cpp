@@ -98,21 +98,6 @@ std::string written_formats() {
 
 using Command = std::shared_ptr<ConvertCommand>;
 
-/// Adds `--directions` and `--max-theta`, which the writer of CSV reads.
-std::array<Option, 2> add_csv_options(const Subcommand& sub, const Command& command) {
-    const Option directions = sub.add_option("--directions", command->directions,
-                                             "CSV of tables and models: all pairs of this many directions, 1 to 1536")
-                                  .type_name("N")
-                                  .check(within(1, 1536))
-                                  .capture_default_str();
-    const Option max_theta = sub.add_option("--max-theta", command->max_theta,
-                                            "CSV of tables and models: largest angle from the normal, 1 to 90 degrees")
-                                 .type_name("DEG")
-                                 .check(within(1.0, 90.0))
-                                 .capture_default_str();
-    return {directions, max_theta};
-}
-
 /// Adds the options that a single writer reads, with the conditions under which they are read.
 std::vector<AllowedWhen> add_writer_options(const Subcommand& sub, const Command& command) {
     std::vector<AllowedWhen> allowed;
@@ -144,7 +129,16 @@ void add_convert(CommandLine& app, int& status) {
                        ? ""
                        : fmt::format("expected a name that ends in {}, found {}", extensions_of_formats(), name);
         });
-    const auto [directions, max_theta] = add_csv_options(sub, command);
+    const Option directions = sub.add_option("--directions", command->directions,
+                                             "CSV of tables and models: all pairs of this many directions, 1 to 1536")
+                                  .type_name("N")
+                                  .check(within(1, 1536))
+                                  .capture_default_str();
+    const Option max_theta = sub.add_option("--max-theta", command->max_theta,
+                                            "CSV of tables and models: largest angle from the normal, 1 to 90 degrees")
+                                 .type_name("DEG")
+                                 .check(within(1.0, 90.0))
+                                 .capture_default_str();
     std::vector<AllowedWhen> allowed = add_writer_options(sub, command);
     const Option rgb_alone =
         sub.add_flag("--rgb-alone", command->rgb_alone,

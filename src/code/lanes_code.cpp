@@ -15,26 +15,12 @@ namespace {
 
 /// kernel.glsl reads models by these functions, which runtime_host.h defines.
 constexpr const char* k_supplied = R"(
-int pm_lobes(Pm pm);
-int pm_variates(Pm pm);
-int pm_features(Pm pm);
-bool pm_axial(Pm pm);
-bool pm_reciprocal(Pm pm);
-bool pm_down(Pm pm, int j, int n);
-Real pm_weight_l(Pm pm, int n);
-Real pm_weight_v(Pm pm, int n);
-Real pm_log2_scale(Pm pm, int j);
-Real pm_log2_falloff(Pm pm, int j, int n);
-Real pm_exponent(Pm pm, int j, int k);
-Vec3 pm_coefficient(Pm pm, int j);
-Vec3 pm_centre(Pm pm, int j, int n);
-int su_lobes(Su su);
-int su_views(Su su);
-Vec3 su_direction(Su su, int view);
-Vec3 su_centre(Su su, int view, int j);
-Real su_bandwidth(Su su, int view, int j);
-Vec3 su_coefficient(Su su, int view, int j);
-int su_nearest(SuNearest nearest, int k);
+int pm_lobes(Pm pm); int pm_variates(Pm pm); int pm_features(Pm pm); bool pm_axial(Pm pm); bool pm_reciprocal(Pm pm);
+bool pm_down(Pm pm, int j, int n); Real pm_weight_l(Pm pm, int n); Real pm_weight_v(Pm pm, int n);
+Real pm_log2_scale(Pm pm, int j); Real pm_log2_falloff(Pm pm, int j, int n); Real pm_exponent(Pm pm, int j, int k);
+Vec3 pm_coefficient(Pm pm, int j); Vec3 pm_centre(Pm pm, int j, int n); int su_lobes(Su su); int su_views(Su su);
+Vec3 su_direction(Su su, int view); Vec3 su_centre(Su su, int view, int j); Real su_bandwidth(Su su, int view, int j);
+Vec3 su_coefficient(Su su, int view, int j); int su_nearest(SuNearest nearest, int k);
 )";
 
 /// kernel.glsl, preceded by declarations of the functions that the host defines.

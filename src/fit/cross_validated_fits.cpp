@@ -14,7 +14,6 @@
 #include "measured/tables.h"
 #include "models/pm/pm_functions.h"
 #include "observe/pair_weights.h"
-#include "samples/fit_pm_to_samples.h"
 #include "samples/folds.h"
 
 namespace SRBF_NAMESPACE {

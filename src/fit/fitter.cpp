@@ -17,7 +17,6 @@
 #include "models/su/su_functions.h"
 #include "observe/albedo_bound.h"
 #include "observe/pair_weights.h"
-#include "samples/fit_pm_to_samples.h"
 #include "samples/folds.h"
 
 namespace SRBF_NAMESPACE {

@@ -60,11 +60,8 @@ Result<Measured> load_for_fit(FitJob& fit) {
     if (fit.exchange) exchange(*measured);
     if (!fit.band.empty())
         if (const auto chosen = choose_band(*measured, fit.band); !chosen) return chosen.error();
-    if (const auto read = check_read(*measured, fit.request, fit.texts, dashed); !read) {
-        Error error = read.error();
-        error.source = fit.input;
-        return error;
-    }
+    if (const auto read = check_read(*measured, fit.request, fit.texts, dashed); !read)
+        return with_source(read.error(), fit.input);
     if (files.size() > 1) fmt::print(stderr, "srbf: {}\n", printable(notes(*measured)[0]));
     fit.load_seconds = loading.seconds();
     return measured;

@@ -152,7 +152,8 @@ int fit_files(const FolderJob& folder) {
         FolderFile material;
         material.name = system_files::stem(input);
         material.fit = folder.each;
-        material.fit.input = input, material.fit.files = {input};
+        material.fit.input = input;
+        material.fit.files = {input};
         material.fit.output = in_folder(folder.folder, material.name + ".srbf");
         material.fit.json = in_folder(folder.folder, material.name + ".json");
         if (const auto [earlier, is_new] = input_of.try_emplace(material.name, input); !is_new) {

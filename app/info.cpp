@@ -228,7 +228,10 @@ int run(const std::string& file, const ReadOptions& read) {
     const auto loaded = load_file_or_map(file, read);
     if (!loaded) return complain(loaded.error());
     fmt::print("{}\n", printable(file));
-    if (const auto* map = std::get_if<TexelMap>(&*loaded)) return print_map(*map), k_done;
+    if (const auto* map = std::get_if<TexelMap>(&*loaded)) {
+        print_map(*map);
+        return k_done;
+    }
     const auto* subject = std::get_if<LoadedFile>(&*loaded);
     if (const auto* measured = std::get_if<Measured>(&subject->content)) {
         print_row("format", fmt::format("{}, {} bytes", measured->format, grouped(measured->bytes)));

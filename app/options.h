@@ -63,11 +63,8 @@ class Subcommand {
   public:
     explicit Subcommand(CLI::App* app) : app_(app) {}
 
-    Option add_option(const std::string& names, std::string& value, const std::string& about) const;
-    Option add_option(const std::string& names, std::vector<std::string>& value, const std::string& about) const;
-    Option add_option(const std::string& names, int& value, const std::string& about) const;
-    Option add_option(const std::string& names, std::uint64_t& value, const std::string& about) const;
-    Option add_option(const std::string& names, double& value, const std::string& about) const;
+    /// An option that sets a std::string, std::vector<std::string>, int, std::uint64_t or double.
+    template <typename Value> Option add_option(const std::string& names, Value& value, const std::string& about) const;
     /// An option whose text is passed to `take`.
     Option add_option(const std::string& names, std::function<void(const std::string&)> take,
                       const std::string& about) const;

@@ -17,7 +17,6 @@
 #include "models/pm/pm_functions.h"
 #include "properties.h"
 #include "samples/facets.h"
-#include "samples/fit_pm_to_samples.h"
 #include "samples/folds.h"
 #include "srbf/fit.h"
 

@@ -16,7 +16,6 @@
 #include "models/su/fit_su.h"
 #include "models/su/view_lobes.h"
 #include "properties.h"
-#include "samples/fit_pm_to_samples.h"
 #include "samples/gap_filled_samples.h"
 #include "samples/observe_samples.h"
 #include "srbf/convert.h"

@@ -80,15 +80,6 @@ std::vector<DirectionPair> pairs(std::size_t count) {
     }
     return pairs;
 }
-/// The mean BRDF of these texels.
-Rgb mean(const TexelMap& map, const std::vector<std::size_t>& texels, const DirectionPair& at) {
-    Rgb sum;
-    for (const std::size_t t : texels) {
-        const Rgb f = value(texel(map, t), at.wl, at.wv);
-        for (int c = 0; c < 3; ++c) sum[c] += f[c] / float(texels.size());
-    }
-    return sum;
-}
 
 using MapCode = CodeTest;
 

@@ -34,9 +34,10 @@ struct Rings {
         int first;
         double t;
         explicit RingPosition(double cosine) {
-            const double at = std::clamp(elementary::acos(std::min(cosine, 1.0)) * k_count / (k_pi / 2) - 0.5, 0.0,
-                                         double(k_count - 1));
-            first = std::min(int(at), k_count - 2), t = at - first;
+            const double position = std::clamp(elementary::acos(std::min(cosine, 1.0)) * k_count / (k_pi / 2) - 0.5,
+                                               0.0, double(k_count - 1));
+            first = std::min(int(position), k_count - 2);
+            t = position - first;
         }
     };
 };
@@ -55,9 +56,9 @@ class Layer {
         for (std::size_t m = 0; m < k_harmonics; ++m)
             for (std::size_t c = 0; c < 3; ++c) {
                 const Eigen::MatrixXd& once = base_harmonics[m][c];
-                const Eigen::MatrixXd again = (m % 2 ? -1.0 : 1.0) * once * returned.asDiagonal();
-                const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(Rings::k_count, Rings::k_count) - again;
-                repeated_[m][c] = (m ? 2 : 1) * rest.partialPivLu().solve(again * once);
+                const Eigen::MatrixXd repeated = (m % 2 ? -1.0 : 1.0) * once * returned.asDiagonal();
+                const Eigen::MatrixXd remaining = Eigen::MatrixXd::Identity(Rings::k_count, Rings::k_count) - repeated;
+                repeated_[m][c] = (m ? 2 : 1) * remaining.partialPivLu().solve(repeated * once);
             }
     }
 
@@ -72,12 +73,12 @@ class Layer {
         const double passed = transmitted(l.z) * transmitted(v.z) / (n * n);
         const double cosine_l = refracted(l).z, cosine_v = refracted(v).z;
         const double power = 0.5 * (1 / cosine_l + 1 / cosine_v);
-        const std::array<double, 3> again =
+        const std::array<double, 3> repeated =
             repeated_at(l, v, Rings::RingPosition(cosine_l), Rings::RingPosition(cosine_v));
         Rgb f;
         for (int c = 0; c < 3; ++c) {
             const double tint = coat_.tint[c] < 1 ? elementary::pow(std::max(double(coat_.tint[c]), 1e-6), power) : 1;
-            f[c] = float(reflected + passed * tint * std::max(double(below[c]) + again[std::size_t(c)], 0.0));
+            f[c] = float(reflected + passed * tint * std::max(double(below[c]) + repeated[std::size_t(c)], 0.0));
         }
         return f;
     }

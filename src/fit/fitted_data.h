@@ -6,7 +6,6 @@
 #include "fit/noise.h"
 #include "fit/requests.h"
 #include "observe/observations.h"
-#include "samples/observe_samples.h"
 #include "srbf/fit.h"
 
 namespace SRBF_NAMESPACE {
@@ -27,7 +26,7 @@ class FittedData {
     const std::optional<Noise>& noise() const { return noise_; }
     const Evaluate& smoothed_values() const { return smoothed_; }
     /// True if a reciprocal model is fitted, to the mean of a table.
-    bool fits_mean(const FitRequest& request) const;
+    bool fits_mean(const FitRequest& request) const { return key(request).is_mean; }
     /// True if the values depend on the difference of azimuths alone, up to their noise, within θmax of the request.
     bool looks_isotropic(const FitRequest& request);
     /// True if values of the measurement and of the fit do not change at all when light and viewer turn together.
@@ -42,7 +41,7 @@ class FittedData {
     Result<Evaluate> gap_filled(const FitRequest& request) const;
 
   private:
-    ObservationKey key(const FitRequest& request) const;
+    ObservationKey key(const FitRequest& request) const { return observation_key(request, samples() != nullptr); }
 
     const Measured* measured_;
     Evaluate signed_, values_, smoothed_ = nullptr;

@@ -17,7 +17,6 @@
 #include "models/su/su_functions.h"
 #include "observe/albedo_bound.h"
 #include "observe/pair_weights.h"
-#include "samples/fit_pm_to_samples.h"
 #include "samples/folds.h"
 
 namespace SRBF_NAMESPACE {
@@ -150,7 +149,8 @@ Result<FitOutcome> draft_of_table(FittedData& data, const FitRequest& request, c
     const auto observed = data.observations(request, rest->subrange(0, k_drafts_observed));
     if (!observed) return observed.error();
     PmFitOptions options = lobe_options(data, request);
-    options.starts = k_draft_starts, options.perturbations = 0;
+    options.starts = k_draft_starts;
+    options.perturbations = 0;
     auto outcome =
         outcome_of(fit_pm(first_pairs(**observed, k_draft_pairs), options, rest->subrange(k_drafts_observed, 1)));
     if (outcome) describe(**observed, *outcome);

@@ -157,8 +157,10 @@ double largest_fraction(const Noise& noise) {
 Result<Evaluate> smoothed(const Evaluate& f, const Noise& noise, bool axial, int threads,
                           const ProgressToken& progress) {
     PmFitOptions options;
-    options.axial = axial, options.threads = threads;
-    options.starts = k_noise_starts, options.perturbations = k_noise_perturbations;
+    options.axial = axial;
+    options.starts = k_noise_starts;
+    options.perturbations = k_noise_perturbations;
+    options.threads = threads;
     Evaluate smooth = above_noise(f, noise.deviation);
     for (int round = 0; round < k_rounds; ++round) {
         const ProgressToken part = progress.subrange(double(round) / k_rounds, (round + 1.0) / k_rounds);

@@ -8,6 +8,7 @@
 #include "models/model_files.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
+#include "samples/observe_samples.h"
 #include "srbf/fit.h"
 
 namespace SRBF_NAMESPACE {
@@ -52,18 +53,34 @@ inline SuFitOptions su_options(const FitRequest& request) {
             .threads = request.threads};
 }
 
-/// All that observations depend on.
+/// Everything in a request that observations depend on. A `Fitter` keeps observations for each key.
 struct ObservationKey {
     Objective objective;
-    double max_theta;
+    double max_theta;  ///< [rad]
     std::uint64_t seed;
-    bool is_spectral, fills_gaps, is_mean;
+    bool is_spectral;
+    bool fills_gaps;  ///< whether samples are also observed with gaps filled
+    bool is_mean;     ///< whether a reciprocal model is fitted, to the mean of a table and of its exchange
     auto operator<=>(const ObservationKey&) const = default;
 };
-/// `is_mean`: a reciprocal model is fitted, to the mean of a table.
-inline ObservationKey observation_key(const FitRequest& request, bool has_samples, bool is_mean) {
-    const bool fills_gaps = has_samples && std::holds_alternative<PmRequest>(request.model);
-    return {request.objective, request.theta(), request.seed, request.spectral, fills_gaps, is_mean};
+inline ObservationKey observation_key(const FitRequest& request, bool is_of_samples) {
+    const auto* pm = std::get_if<PmRequest>(&request.model);
+    return {.objective = request.objective,
+            .max_theta = request.theta(),
+            .seed = request.seed,
+            .is_spectral = request.spectral,
+            .fills_gaps = pm && is_of_samples,
+            .is_mean = pm && is_reciprocal(pm->form.value_or(is_of_samples ? PmForm::extended : k_default_form))};
+}
+
+inline ObserveSamplesOptions observe_samples_options(const FitRequest& request) {
+    const ObservationKey key = observation_key(request, true);
+    return {.objective = key.objective,
+            .max_theta = key.max_theta,
+            .seed = key.seed,
+            .spectral = key.is_spectral,
+            .fill_gaps = key.fills_gaps,
+            .threads = request.threads};
 }
 
 /// The model of a fit, and why its search stopped. Returns an error if the fit has one, or if a number is too large for a

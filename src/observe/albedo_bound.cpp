@@ -32,19 +32,19 @@ PmModel lowered_at_views(const AlbedoBound& bound, PmModel model) {
     const auto lobes = std::size_t(model.lobes);
     std::vector<std::vector<double>> albedo;  // albedos of each lobe alone
     for (int j = 0; j < model.lobes; ++j) albedo.push_back(bound.albedos(evaluator(only_lobe(model, j))));
-    std::vector<double> factor(lobes, 1), all(albedo[0].size());
+    std::vector<double> factor(lobes, 1), total(albedo[0].size());
     for (;;) {
-        std::ranges::fill(all, 0);
+        std::ranges::fill(total, 0);
         for (std::size_t j = 0; j < lobes; ++j)
-            for (std::size_t i = 0; i < all.size(); ++i) all[i] += factor[j] * albedo[j][i];
-        const auto at = std::size_t(std::ranges::max_element(all) - all.begin());
-        if (all[at] <= 1) break;
+            for (std::size_t i = 0; i < total.size(); ++i) total[i] += factor[j] * albedo[j][i];
+        const auto brightest = std::size_t(std::ranges::max_element(total) - total.begin());
+        if (total[brightest] <= 1) break;
         const auto concentration = [&](std::size_t j) {
             const double sum = std::accumulate(albedo[j].begin(), albedo[j].end(), 0.0);
-            return factor[j] > 0 && sum > 0 ? albedo[j][at] / sum : 0;
+            return factor[j] > 0 && sum > 0 ? albedo[j][brightest] / sum : 0;
         };
         const std::size_t j = std::ranges::max(std::views::iota(std::size_t(0), lobes), {}, concentration);
-        factor[j] = std::max(0.0, factor[j] - (all[at] - k_lowered) / albedo[j][at]);
+        factor[j] = std::max(0.0, factor[j] - (total[brightest] - k_lowered) / albedo[j][brightest]);
     }
     const std::size_t C = model.spectrum.size() / lobes;
     for (std::size_t j = 0; j < lobes; ++j) {
@@ -97,7 +97,8 @@ ObservedIntegral AlbedoBound::bound_of(const View& view, std::vector<Rgb> values
     bound.wv.assign(bound.wl.size(), view.wv);
     bound.weight = view.light.weight;
     for (const Rgb& f : values) bound.f.push_back({factor * f.r, factor * f.g, factor * f.b});
-    bound.min_unit = 1, bound.is_bound = true;
+    bound.min_unit = 1;
+    bound.is_bound = true;
     return bound;
 }
 

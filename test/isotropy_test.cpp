@@ -48,9 +48,8 @@ double uniform_noise(std::mt19937_64& random) { return std::sqrt(12.0) * (unifor
 
 /// `f` times random factors with standard deviation `noise`, independent at every pair.
 Evaluate noisy(Evaluate f, double noise) {
-    return with_noise(f, [=](const Rgb& value, auto& random) {
-        return scaled(float(1 + noise * uniform_noise(random)), value);
-    });
+    return with_noise(
+        f, [=](const Rgb& value, auto& random) { return scaled(float(1 + noise * uniform_noise(random)), value); });
 }
 
 /// `f` plus independent numbers of these standard deviations.

@@ -91,7 +91,8 @@ Option add_colour(const Subcommand& sub, const std::string& name, Rgb& colour, d
         for (; count < numbers.size(); ++at) {
             const auto [rest, error] = std::from_chars(at, end, numbers[count]);
             if (error != std::errc()) return false;
-            ++count, at = rest;
+            ++count;
+            at = rest;
             if (at == end || *at != ',') break;
         }
         if (at != end || count == 2) return false;

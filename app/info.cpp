@@ -64,7 +64,10 @@ void print_geometry(const ScatteredSamples& samples) {
     float smallest = std::numeric_limits<float>::infinity();
     for (std::size_t i = 0; i < samples.wl.size(); ++i) {
         in_plane += is_in_plane(samples.wl[i], samples.wv[i]);
-        if (samples.colour[i].g < smallest) smallest = samples.colour[i].g, smallest_count = 0;
+        if (samples.colour[i].g < smallest) {
+            smallest = samples.colour[i].g;
+            smallest_count = 0;
+        }
         smallest_count += samples.colour[i].g == smallest;
     }
     if (in_plane == samples.wl.size())

@@ -41,7 +41,8 @@ Pairs& pairs() {
             return Vec3f(std::sqrt(1 - z * z) * std::cos(phi), std::sqrt(1 - z * z) * std::sin(phi), z);
         };
         for (int i = 0; i < k_pairs; ++i) {
-            drawn.wl.push_back(direction()), drawn.wv.push_back(direction());
+            drawn.wl.push_back(direction());
+            drawn.wv.push_back(direction());
             const float x = uniform(random), y = uniform(random), z = uniform(random);
             drawn.u.push_back({x, y, z});
         }
@@ -99,7 +100,8 @@ void add(const std::string& name, std::size_t k, Run run, const void* brdf, Targ
 /// Adds the benchmarks of a model. Its memory for srbf_runtime.h lasts as long as the program.
 void add_model(const std::string& name, const Model& model, const TemporaryFolder& folder) {
     static std::vector<PreparedBrdf> prepared;
-    prepared.reserve(2), prepared.push_back(prepare(model, ProposeOptions{}));
+    prepared.reserve(2);
+    prepared.push_back(prepare(model, ProposeOptions{}));
     const NamedModel named{"m", &model};
     write_text(folder / "m.h",
                *shading_code(std::span(&named, 1), "m", {.language = CodeLanguage::c, .sampling = true}));
@@ -127,8 +129,9 @@ void add_model(const std::string& name, const Model& model, const TemporaryFolde
             std::size_t (*needed)(const void*, std::size_t);
             int (*open)(const void*, std::size_t, void*, std::size_t, void**, std::size_t*);
             void (*prepare_model)(void*);
-            function(needed, "srbf_memory_needed"), function(open, "srbf_open"),
-                function(prepare_model, "srbf_prepare");
+            function(needed, "srbf_memory_needed");
+            function(open, "srbf_open");
+            function(prepare_model, "srbf_prepare");
             if (needed) {
                 const std::size_t size = needed(bytes.data(), bytes.size());
                 open(bytes.data(), bytes.size(), std::malloc(size), size, &brdf, nullptr);

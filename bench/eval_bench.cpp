@@ -90,18 +90,21 @@ void pm_prepared(benchmark::State& state, Target target) {
 }
 
 /// Evaluation in batches; "per_pair" is the time for one pair.
-void pm_batch(benchmark::State& state, Target target) {
-    const OneTarget one(target);
+void evaluate_batches(benchmark::State& state, const Evaluate& brdf) {
     constexpr std::size_t count = 1 << 12;
-    const PmModel model = model_of(state);
     const Pairs pairs = random_pairs(count);
     std::vector<Rgb> f(count);
     for (auto _ : state) {
-        evaluate(model, pairs.wl, pairs.wv, f);
+        brdf(pairs.wl, pairs.wv, f);
         benchmark::DoNotOptimize(f.data());
     }
     state.counters["per_pair"] =
         benchmark::Counter(count, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+void pm_batch(benchmark::State& state, Target target) {
+    const OneTarget one(target);
+    const PmModel model = model_of(state);
+    evaluate_batches(state, evaluator(model));
 }
 const bool k_registered = [] {
     for (const Target target : hwy::SupportedAndGeneratedTargets()) {
@@ -131,20 +134,10 @@ void rgl(benchmark::State& state) {
 }
 BENCHMARK(rgl);
 
-/// Evaluation in batches; "per_pair" is the time for one pair.
 void rgl_batch(benchmark::State& state) {
     static const auto measured = load_measured(SRBF_SOURCE_DIR "/data/cc_ibiza_sunset_rgb.bsdf");
     if (!measured) return state.SkipWithError(message(measured.error()).c_str());
-    constexpr std::size_t count = 1 << 12;
-    const Pairs pairs = random_pairs(count);
-    std::vector<Rgb> f(count);
-    const Evaluate evaluate = evaluator(*measured);
-    for (auto _ : state) {
-        evaluate(pairs.wl, pairs.wv, f);
-        benchmark::DoNotOptimize(f.data());
-    }
-    state.counters["per_pair"] =
-        benchmark::Counter(count, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+    evaluate_batches(state, evaluator(*measured));
 }
 BENCHMARK(rgl_batch);
 

@@ -40,17 +40,17 @@ const SuModel& film_su() {
 
 double seconds_of(const PathScene& scene, std::uint64_t& rays) {
     const std::clock_t start = std::clock();  // processor time, since other processes may run
-    PathOptions options;
-    options.width = k_width, options.height = k_height, options.samples = k_samples, options.threads = 1;
-    rays = render_paths(scene, options).rays;
+    rays =
+        render_paths(scene, {.width = k_width, .height = k_height, .samples = k_samples, .threads = 1, .progress = {}})
+            .rays;
     return double(std::clock() - start) / CLOCKS_PER_SEC;
 }
 
 /// A BRDF that evaluates each value twice.
-struct Twice {
+struct EvaluatedTwice {
     PreparedBrdf brdf;
 };
-Rgb value(const Twice& twice, Vec3f wl, Vec3f wv) {
+Rgb value(const EvaluatedTwice& twice, Vec3f wl, Vec3f wv) {
     benchmark::DoNotOptimize(value(twice.brdf, wl, wv));
     return value(twice.brdf, wl, wv);
 }
@@ -62,7 +62,7 @@ void path(benchmark::State& state, const PreparedBrdf& brdf) {
     const Mesh ground = ground_below(mesh, camera.up);
     PathScene scene{{{&mesh, 0}, {&ground, 1}}, {brdf, diffuse({0.35f, 0.35f, 0.35f})}, camera, {}, {}, &studio};
     PathScene twice = scene;
-    twice.materials[0] = prepare(Twice{brdf}, proposal(brdf));
+    twice.materials[0] = prepare(EvaluatedTwice{brdf}, proposal(brdf));
     std::uint64_t rays = 0;
     double once_best = 1e30, twice_best = 1e30;
     for (auto _ : state) {
@@ -106,48 +106,31 @@ const Samples& samples() {
     }();
     return all;
 }
-template <typename P> void draw_one(benchmark::State& state, const P& proposal) {
+/// Times call(wl, wv, u), whose result is kept, at these samples in turn.
+template <typename Call> void for_samples(benchmark::State& state, const Call& call) {
     std::size_t i = 0;
     for (auto _ : state) {
-        const Vec3f u = samples().u[i];
-        benchmark::DoNotOptimize(sample(proposal, samples().wv[i], {u.x, u.y}, u.z));
+        benchmark::DoNotOptimize(call(samples().wl[i], samples().wv[i], samples().u[i]));
         i = (i + 1) % samples().u.size();
     }
 }
+template <typename P> void draw_one(benchmark::State& state, const P& proposal) {
+    for_samples(state, [&](Vec3f, Vec3f wv, Vec3f u) { return sample(proposal, wv, {u.x, u.y}, u.z); });
+}
 template <typename P> void density_of_one(benchmark::State& state, const P& proposal) {
-    std::size_t i = 0;
-    for (auto _ : state) {
-        benchmark::DoNotOptimize(pdf(proposal, samples().wl[i], samples().wv[i]));
-        i = (i + 1) % samples().u.size();
-    }
+    for_samples(state, [&](Vec3f wl, Vec3f wv, Vec3f) { return pdf(proposal, wl, wv); });
 }
 /// Draws a sample and computes its density in one call, as path tracing does.
 template <typename P> void draw_and_density_of_one(benchmark::State& state, const P& proposal) {
-    std::size_t i = 0;
-    for (auto _ : state) {
-        const Vec3f u = samples().u[i];
-        benchmark::DoNotOptimize(sample_with_pdf(proposal, samples().wv[i], {u.x, u.y}, u.z));
-        i = (i + 1) % samples().u.size();
-    }
-}
-/// Computes value and density of the prepared fit by `call`.
-template <typename Call> void both_of_pm(benchmark::State& state, const Call& call) {
-    const PreparedBrdf brdf = prepare(Model{film_pm(), {}}, ProposeOptions{});
-    std::size_t i = 0;
-    for (auto _ : state) {
-        call(brdf, samples().wl[i], samples().wv[i]);
-        i = (i + 1) % samples().u.size();
-    }
+    for_samples(state, [&](Vec3f, Vec3f wv, Vec3f u) { return sample_with_pdf(proposal, wv, {u.x, u.y}, u.z); });
 }
 void value_and_density_of_pm(benchmark::State& state) {
-    both_of_pm(state, [](const PreparedBrdf& brdf, Vec3f wl, Vec3f wv) {
-        benchmark::DoNotOptimize(value(brdf, wl, wv));
-        benchmark::DoNotOptimize(pdf(brdf, wl, wv));
-    });
+    const PreparedBrdf brdf = prepare(Model{film_pm(), {}}, ProposeOptions{});
+    for_samples(state, [&](Vec3f wl, Vec3f wv, Vec3f) { return std::pair(value(brdf, wl, wv), pdf(brdf, wl, wv)); });
 }
 void value_pdf_of_pm(benchmark::State& state) {
-    both_of_pm(state,
-               [](const PreparedBrdf& brdf, Vec3f wl, Vec3f wv) { benchmark::DoNotOptimize(value_pdf(brdf, wl, wv)); });
+    const PreparedBrdf brdf = prepare(Model{film_pm(), {}}, ProposeOptions{});
+    for_samples(state, [&](Vec3f wl, Vec3f wv, Vec3f) { return value_pdf(brdf, wl, wv); });
 }
 BENCHMARK(value_and_density_of_pm);
 BENCHMARK(value_pdf_of_pm);

@@ -24,7 +24,8 @@ class CommandFolder {
         add("empty", "");
         add("text", "nothing that is known\n");
         PmModel pm;
-        pm.lobes = pm.variates = 1, pm.axial = true;
+        pm.lobes = pm.variates = 1;
+        pm.axial = true;
         pm.coefficient = {{0.3f, 0.2f, 0.1f}}, pm.centre = {{0, 0, 1}}, pm.bandwidth = {8};
         pm.parameterization = {{1, 1}}, pm.log_scale = {0}, pm.exponent.resize(std::size_t(features(pm.form)));
         add("m.srbf", as_text(write_model({pm, {}})));

@@ -1,5 +1,6 @@
 // Targets for libFuzzer and for the test of the corpus, which run a reader on arbitrary bytes.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -69,7 +70,8 @@ template <typename B> void check_values(const Result<B>& brdf) {
         if (i % 6 == 2) wv = mirror(wl);
         if (i % 6 == 3) wv = wl;
         if (i % 6 == 4) wv = {1, 0, 1e-30f};
-        lights.push_back(wl), views.push_back(wv);
+        lights.push_back(wl);
+        views.push_back(wv);
         const Rgb f = value(*brdf, wl, wv);
         if ((wl.z <= 0 || wv.z <= 0) && !is_two_sided(*brdf)) {
             require(f == Rgb{}, "0 below the horizon");

@@ -81,7 +81,7 @@ inline void check_uses(std::span<const std::byte> bytes) {
     bool is_model = true;
     std::string name = "in";
     auto brdf = load_brdf(path);
-    if (!brdf) brdf = load_brdf(path + "#0"), name = "in";  // maps are exported whole
+    if (!brdf) brdf = load_brdf(path + "#0");  // maps are exported whole
     if (!brdf) return;
     is_model = std::holds_alternative<Model>(*brdf);
     const PreparedBrdf prepared = std::visit(

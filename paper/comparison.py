@@ -54,7 +54,8 @@ MODELS = {
     "cube-root": Model("as measured, ∛f"),
 }
 # The losses that models minimise: pixels of pictures and values, errors of cube roots, or another loss of values.
-PIXELS, CUBE_ROOTS, VALUES = "minimises pixels of pictures and values", "minimises errors of cube roots", "minimises another loss of values"
+PIXELS, CUBE_ROOTS = "minimises pixels of pictures and values", "minimises errors of cube roots"
+VALUES = "minimises another loss of values"
 # The colour and the loss of each curve.
 CURVES = {"srbf": ("#c0392b", PIXELS), "as measured": ("#e59866", PIXELS), "as measured, ∛f": ("#e59866", CUBE_ROOTS),
           "view by view": ("#e08e0b", VALUES), "GGX": ("#2471a3", PIXELS), "OpenPBR": ("#17a589", PIXELS), "ABC": ("#b7950b", CUBE_ROOTS),
@@ -117,16 +118,20 @@ def marked(model, name):
     return name + (" †" if model.endswith("-pictures") or model.startswith(("srbf", "as-measured", "ggx", "openpbr")) else "")
 
 
+def bold_if_equal(value, best):
+    """The text of a value, which is bold if it is that of the best value."""
+    return f"**{text(value)}**" if text(value) == text(best) else text(value)
+
+
 def with_bold_best(names, values, largest=frozenset()):
     """Lines of names and texts of values; the least value of each column is bold, or the largest of columns in `largest`."""
     best = [(max if i in largest else min)(column) for i, column in enumerate(zip(*values))]
-    return [cells + [f"**{text(value)}**" if text(value) == text(least) else text(value) for value, least in zip(row, best)]
-            for cells, row in zip(names, values)]
+    return [cells + list(map(bold_if_equal, row, best)) for cells, row in zip(names, values)]
 
 
 def with_bold_least(values):
     """Texts of a row of values, of which the least is bold."""
-    return [f"**{text(value)}**" if text(value) == text(min(values)) else text(value) for value in values]
+    return [bold_if_equal(value, min(values)) for value in values]
 
 
 MEANS_EXTRA_LABELS = {"network-6-pictures": "small network, 6 neurons", "as-measured-16": "16 lobes, not reciprocal",
@@ -154,16 +159,12 @@ def range_of_default(rows):
 def kinds_table(rows):
     models = [model for model in models_in(rows) if MODELS[model].by_material]
     lines = []
-    for kind in sorted({row["kind"] for row in rows}):
-        kind_rows = [row for row in rows if row["kind"] == kind]
+    for kind in [*sorted({row["kind"] for row in rows}), "all"]:
+        kind_rows = [row for row in rows if kind in (row["kind"], "all")]
         errors = [mean(rows_of_model(kind_rows, model), "delta_e_itp") for model in models]
         lines.append([kind, str(len(rows_of_model(kind_rows, "srbf")))] + with_bold_least(errors) + range_of_default(kind_rows))
-    lines.append(["all", str(len(rows_of_model(rows, "srbf")))] + with_bold_least([mean(rows_of_model(rows, model), "delta_e_itp")
-                                                                                   for model in models])
-                 + range_of_default(rows))
-    lines.append(["median of all", ""] + with_bold_least([statistics.median(row["delta_e_itp"] for row in rows_of_model(rows, model))
-                                                          for model in models])
-                 + ["", ""])
+    medians = [statistics.median(row["delta_e_itp"] for row in rows_of_model(rows, model)) for model in models]
+    lines.append(["median of all", ""] + with_bold_least(medians) + ["", ""])
     return table(["kind", "materials"] + [MODELS[model].label for model in models] + ["9 lobes, least", "9 lobes, largest"], lines)
 
 
@@ -209,9 +210,11 @@ def measures_table(rows):
         sign = -1 if key == "psnr" else 1
         cells = []
         for model in MEASURES_LABELS:
-            default, other = [{row["material"]: sign * row[key] for row in rows_of_model(rows, compared)} for compared in ("srbf", model)]
+            default, other = ({row["material"]: sign * row[key] for row in rows_of_model(rows, compared)}
+                              for compared in ("srbf", model))
             smaller = [material for material in MEASURED if other[material] < default[material]]
-            cells.append("all five" if len(smaller) == len(MEASURED) else ", ".join(MEASURED[material] for material in smaller) or "none")
+            names = ", ".join(MEASURED[material] for material in smaller) or "none"
+            cells.append("all five" if len(smaller) == len(MEASURED) else names)
         lines.append([name] + cells)
     return table(["measure", *MEASURES_LABELS.values()], lines)
 
@@ -222,11 +225,14 @@ NETWORKS_LABELS = {"nbrdf-16": "NBRDF, 1,350 bytes", "srbf": "nine lobes, 210 by
 def networks_table(rows):
     """Means of the default and of networks, and in brackets their means without the film. The best are bold."""
     models = NETWORKS_LABELS
-    all_lines, others = ([[mean(rows_of_model(some_rows, model), key) for key in COLUMNS] for model in models]
-                         for some_rows in (rows, [row for row in rows if row["material"] != "cc_ibiza_sunset"]))
-    all_lines, others = (with_bold_best([[]] * len(models), values, {COLUMNS.index("psnr")}) for values in (all_lines, others))
-    lines = [[name] + [f"{with_film} ({without_film})" for with_film, without_film in zip(line, other)]
-             for name, line, other in zip(models.values(), all_lines, others)]
+
+    def means_of(rows):
+        values = [[mean(rows_of_model(rows, model), key) for key in COLUMNS] for model in models]
+        return with_bold_best([[]] * len(models), values, {COLUMNS.index("psnr")})
+
+    without_film = means_of([row for row in rows if row["material"] != "cc_ibiza_sunset"])
+    lines = [[name] + [f"{of_all} ({of_others})" for of_all, of_others in zip(line, other)]
+             for name, line, other in zip(models.values(), means_of(rows), without_film)]
     return table(["model", "ΔE_ITP", "worst light", "ꟻLIP", "PSNR, dB", "RMS of radiance", "relative error", "albedo error"], lines)
 
 
@@ -269,7 +275,8 @@ def sizes_table(rows):
 def stand_ins_table(rows):
     """Errors of the default and of fits as measured on the stand-ins, which are reciprocal."""
     rest = [row for row in rows if row["material"] not in MEASURED]
-    default, other = ({row["material"]: row["delta_e_itp"] for row in rows_of_model(rest, model)} for model in ("srbf", "as-measured-8"))
+    default, other = ({row["material"]: row["delta_e_itp"] for row in rows_of_model(rest, model)}
+                      for model in ("srbf", "as-measured-8"))
     lines = []
     for model, errors, against in (("srbf", default, other), ("as-measured-8", other, default)):
         larger = [material for material in sorted(errors) if errors[material] > 1.1 * against[material]]
@@ -310,8 +317,12 @@ def points_of(rows, curve):
 
 def panel(rows, title, x0, y0, width, height):
     """ΔE_ITP over bytes, both logarithmic. Bytes that materials share are named beside hollow marks."""
-    x = lambda value: x0 + width * (math.log10(value) - 0.8) / 4.5
-    y = lambda value: y0 + height * (1 - (math.log10(value) + 0.4) / 2.05)
+    def x(value):
+        return x0 + width * (math.log10(value) - 0.8) / 4.5
+
+    def y(value):
+        return y0 + height * (1 - (math.log10(value) + 0.4) / 2.05)
+
     parts = [f'<text x="{x0}" y="{y0 - 8}" font-weight="bold">{title}</text>',
              f'<rect x="{x0}" y="{y0}" width="{width}" height="{height}" fill="none" stroke="#999"/>']
     for value in (10, 100, 1000, 10_000, 100_000):

@@ -206,7 +206,7 @@ Rgb split_sum(const GgxModel& model, const PreparedBrdf& brdf, const FilteredEnv
 }
 
 constexpr std::array<int, 5> k_lobe_counts{2, 3, 4, 6, 8};
-constexpr std::size_t k_usual = 3;
+constexpr std::size_t k_default_lobes = 3;  ///< an index of k_lobe_counts
 /// Rectangles outside of the picture of a sphere of radius 1, seen from +z: a small one, a large one, and a near one at
 /// grazing angles, which extends below the horizon of most points.
 const std::array<AreaLight, 3> k_rectangles{{
@@ -285,7 +285,7 @@ struct Object {
 struct Row {
     std::array<Errors, k_lobe_counts.size()> by_lobes;
     Errors split;
-    std::array<Errors, k_rectangles.size()> by_rectangle;  ///< with k_usual lobes
+    std::array<Errors, k_rectangles.size()> by_rectangle;  ///< with the default number of lobes
     void add(const Row& other) {
         for (std::size_t k = 0; k < by_lobes.size(); ++k) by_lobes[k].add(other.by_lobes[k]);
         for (std::size_t i = 0; i < by_rectangle.size(); ++i) by_rectangle[i].add(other.by_rectangle[i]);
@@ -323,16 +323,16 @@ Row row_of(const Model& model, const std::vector<Map>& maps, const std::vector<O
             const Image reference = reference_picture(object.pixels, brdf, map, axes);
             for (std::size_t k = 0; k < lights.size(); ++k) {
                 lights[k].map = &map.filtered, lights[k].map_axes = axes;
-                const Image picture = draw(object.pixels, [&](const Point& at) {
-                    kernel::ExportedLight::surface = &at.axes;
-                    const Vec3f c = lights[k].environment(at.wv, {});
+                const Image picture = draw(object.pixels, [&](const Point& point) {
+                    kernel::ExportedLight::surface = &point.axes;
+                    const Vec3f c = lights[k].environment(point.wv, {});
                     return Rgb{c.x, c.y, c.z};
                 });
                 row.by_lobes[k].add(errors_of(object.pixels, reference, picture));
             }
             if (ggx && ggx->lobes.size() == 1)
-                row.split.add(errors_of(object.pixels, reference, draw(object.pixels, [&](const Point& at) {
-                                            return split_sum(*ggx, brdf, map.filtered, axes, at);
+                row.split.add(errors_of(object.pixels, reference, draw(object.pixels, [&](const Point& point) {
+                                            return split_sum(*ggx, brdf, map.filtered, axes, point);
                                         })));
         }
     }
@@ -341,12 +341,12 @@ Row row_of(const Model& model, const std::vector<Map>& maps, const std::vector<O
         const AreaLight& light = k_rectangles[i];
         const Image reference = trace(sphere, {light});
         row.by_rectangle[i].add(
-            errors_of(sphere.pixels, reference, draw(sphere.pixels, [&](const Point& at) {
+            errors_of(sphere.pixels, reference, draw(sphere.pixels, [&](const Point& point) {
                           const auto corner = [&](const Vec3f& add) {
-                              return to_float(at.axes.to(to_double(light.corner + add - at.position)));
+                              return to_float(point.axes.to(to_double(light.corner + add - point.position)));
                           };
-                          const Vec3f c = lights[k_usual].area(at.wv, corner({}), corner(light.x),
-                                                               corner(light.x + light.y), corner(light.y), {});
+                          const Vec3f c = lights[k_default_lobes].area(point.wv, corner({}), corner(light.x),
+                                                                       corner(light.x + light.y), corner(light.y), {});
                           return Rgb{c.x, c.y, c.z};
                       })));
     }

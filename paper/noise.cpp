@@ -24,20 +24,18 @@ struct Cost {
 };
 
 PathPicture picture(const PathScene& scene, int samples, std::uint64_t seed) {
-    PathOptions options;
-    options.width = options.height = k_size;
-    options.samples = samples, options.seed = seed, options.threads = 1;
-    return render_paths(scene, options);
+    return render_paths(
+        scene, {.width = k_size, .height = k_size, .samples = samples, .seed = seed, .threads = 1, .progress = {}});
 }
 
 Cost cost(const PathScene& scene, const Image& reference, const std::vector<float>& depth) {
     const float exposure = automatic_exposure(reference);
     Cost sum{0, 0};
-    constexpr int repeats = 4;
-    for (int repeat = 0; repeat < repeats; ++repeat) {
+    constexpr int k_repeats = 4;
+    for (int repeat = 0; repeat < k_repeats; ++repeat) {
         const std::clock_t start = std::clock();  // CPU time, since other processes may run
         const Image noisy = picture(scene, k_samples, std::uint64_t(repeat) + 1).rendering.radiance;
-        sum.seconds += double(std::clock() - start) / CLOCKS_PER_SEC / repeats;
+        sum.seconds += double(std::clock() - start) / CLOCKS_PER_SEC / k_repeats;
         double squares = 0, pixels = 0;
         for (std::size_t i = 0; i < depth.size(); ++i) {
             if (!(depth[i] > 0)) continue;
@@ -45,7 +43,7 @@ Cost cost(const PathScene& scene, const Image& reference, const std::vector<floa
             for (std::size_t c = 0; c < 3; ++c) squares += std::pow((a[c] - b[c]) / 255.0, 2) / 3;
             ++pixels;
         }
-        sum.error += squares / pixels / repeats;
+        sum.error += squares / pixels / k_repeats;
     }
     return sum;
 }

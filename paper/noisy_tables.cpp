@@ -27,7 +27,7 @@ namespace {
 
 constexpr std::uint32_t k_polar = 45, k_azimuths = 91;
 /// [degrees]; 0.5 instead of 0, where a table of MBSDF's layout has all azimuths.
-constexpr double k_angles[] = {0.5, 15, 30, 45, 60, 75};
+constexpr double k_views[] = {0.5, 15, 30, 45, 60, 75};
 
 /// f at the nodes of a table: θ = i π / (2 n_θ), φ = k π / (n_φ − 1).
 MbsdfTable table_of(const Evaluate& f) {
@@ -68,7 +68,7 @@ struct AlbedoErrors {
 };
 AlbedoErrors albedo_errors_of(const Evaluate& truth, const Evaluate& other) {
     AlbedoErrors worst;
-    for (const double theta : k_angles) {
+    for (const double theta : k_views) {
         const Rgb a = albedo(truth, theta * k_degree, 89 * k_degree),
                   b = albedo(other, theta * k_degree, 89 * k_degree);
         const auto raise = [](double& max, double error) { max = std::max(max, std::abs(error)); };
@@ -91,31 +91,31 @@ struct FitErrors {
 };
 /// The mean ΔE_ITP and time over seeds, and the largest errors.
 FitErrors fit_errors(const Measured& measured, const Evaluate& truth, int seeds) {
-    FitErrors all{};
+    FitErrors errors{};
     for (int seed = 0; seed < seeds; ++seed) {
         const std::clock_t start = std::clock();
         Fitter fitter(measured);
         FitRequest request;
         request.seed = std::uint64_t(seed);
         const auto outcome = fitter.fit(request);
-        all.seconds += double(std::clock() - start) / CLOCKS_PER_SEC / seeds;
+        errors.seconds += double(std::clock() - start) / CLOCKS_PER_SEC / seeds;
         if (!outcome) return fmt::print(stderr, "{}\n", message(outcome.error())), FitErrors{};
         const auto [delta_e, albedo] = errors_against(truth, evaluator(outcome->model));
-        all.fit.delta_e += delta_e / seeds;
-        all.fit.albedo.luminance = std::max(all.fit.albedo.luminance, albedo.luminance);
-        all.fit.albedo.channel = std::max(all.fit.albedo.channel, albedo.channel);
-        all.fraction = outcome->noise ? fraction_of(*outcome->noise) : 0;
+        errors.fit.delta_e += delta_e / seeds;
+        errors.fit.albedo.luminance = std::max(errors.fit.albedo.luminance, albedo.luminance);
+        errors.fit.albedo.channel = std::max(errors.fit.albedo.channel, albedo.channel);
+        errors.fraction = outcome->noise ? fraction_of(*outcome->noise) : 0;
     }
-    return all;
+    return errors;
 }
 
-void print_own(const Measured& measured) {
+void print_albedos(const Measured& measured) {
     const Evaluate f = signed_evaluator(measured);
     Fitter fitter(measured);
     const auto outcome = fitter.fit({});
     if (!outcome) return void(fmt::print(stderr, "{}\n", message(outcome.error())));
     const Evaluate fit = evaluator(outcome->model);
-    for (const double theta : k_angles) {
+    for (const double theta : k_views) {
         const Rgb a = albedo(f, theta * k_degree, 89 * k_degree), b = albedo(fit, theta * k_degree, 89 * k_degree);
         fmt::print("| {:.0f}° | {:.4f} {:.4f} {:.4f} | {:+.2f} {:+.2f} {:+.2f} |\n", theta, a.r, a.g, a.b,
                    100 * (b.r / a.r - 1), 100 * (b.g / a.g - 1), 100 * (b.b / a.b - 1));
@@ -134,7 +134,7 @@ int main(int argc, char** argv) {
     for (int i = 1; i < argc; ++i) {
         const std::string word = argv[i];
         if (word == "--own") {
-            for (++i; i < argc; ++i) print_own(*load_measured(argv[i]));
+            for (++i; i < argc; ++i) print_albedos(*load_measured(argv[i]));
             return 0;
         }
         if (word == "--seeds")
@@ -156,11 +156,11 @@ int main(int argc, char** argv) {
         const Measured clean{"", "", 0, table};
         const Evaluate truth = evaluator(clean);
         const FitErrors clean_fit = fit_errors(clean, truth, seeds);
-        const auto print = [&](const std::string& noise, const FitErrors& one, const TableErrors& raw) {
+        const auto print = [&](const std::string& noise, const FitErrors& errors, const TableErrors& raw) {
             fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.0f} |\n", name,
-                       noise, one.fit.delta_e, one.fit.delta_e / clean_fit.fit.delta_e, 100 * one.fit.albedo.luminance,
-                       100 * one.fit.albedo.channel, raw.delta_e, 100 * raw.albedo.luminance, one.fraction,
-                       one.seconds);
+                       noise, errors.fit.delta_e, errors.fit.delta_e / clean_fit.fit.delta_e,
+                       100 * errors.fit.albedo.luminance, 100 * errors.fit.albedo.channel, raw.delta_e,
+                       100 * raw.albedo.luminance, errors.fraction, errors.seconds);
             std::fflush(stdout);
         };
         print("none", clean_fit, {});

@@ -89,22 +89,27 @@ Result<Done> print_rows(const std::string& path) {
         fmt::print("| {} | {}° |", std::filesystem::path(path).stem().string(), theta);
         for (const auto& [brdf, proposal] : columns) {
             const Quality q = quality(brdf, proposal, theta * k_degree);
-            fmt::print(" {:.{}f}, {:.1f} % |", q.variance,
-                       q.variance < 0.1  ? 4
-                       : q.variance < 10 ? 2
-                                         : 0,
-                       100 * q.lost);
+            const int decimals = q.variance < 10 ? 2 : 0;
+            fmt::print(" {:.{}f}, {:.1f} % |", q.variance, q.variance < 0.1 ? 4 : decimals, 100 * q.lost);
         }
         fmt::print("\n");
     }
     return Done{};
 }
 
+/// The largest number over views, and the angle of its view [degrees].
+struct Maximum {
+    double value = 0, theta = 0;
+    void include(const Maximum& other) {
+        if (other.value > value) *this = other;
+    }
+};
 /// The quality over the views of a file.
 struct ViewQuality {
     std::string file;
-    bool is_measured;
-    double median, largest, largest_at, lost, lost_at;
+    bool is_measured = false;
+    double median = 0;
+    Maximum variance = {}, lost = {};
     std::vector<double> variances = {};  ///< at views to 85°, in ascending order
     std::vector<double> grazing = {};    ///< variances at 87° and 89.4°
 };
@@ -113,16 +118,14 @@ Result<ViewQuality> view_quality(const std::string& path) {
     const auto loaded = load_brdf(path);
     if (!loaded) return loaded.error();
     const PreparedBrdf brdf = std::visit([](const auto& kind) { return prepare(kind, ProposeOptions{}); }, *loaded);
-    ViewQuality quality{
-        std::filesystem::path(path).stem().string(), std::holds_alternative<Measured>(*loaded), 0, 0, 0, 0, 0};
+    ViewQuality quality{std::filesystem::path(path).stem().string(), std::holds_alternative<Measured>(*loaded)};
     std::vector<double> variances;
     for (double theta = 0; theta < 90; theta += theta < 84 ? 3 : 0.7) {
         const Vec3f wv = to_float(spherical(theta * k_degree, 0.3));
-        if (const double fraction = lost(proposal(brdf), wv, 1 << 14); fraction > quality.lost)
-            quality.lost = fraction, quality.lost_at = theta;
+        quality.lost.include({lost(proposal(brdf), wv, 1 << 14), theta});
         if (theta > 85) continue;
         variances.push_back(variance(evaluator(brdf), proposal(brdf), wv, 1 << 15));
-        if (variances.back() > quality.largest) quality.largest = variances.back(), quality.largest_at = theta;
+        quality.variance.include({variances.back(), theta});
     }
     for (const double theta : {87.0, 89.4})
         quality.grazing.push_back(
@@ -149,12 +152,13 @@ Result<Done> print_worst(std::span<char*> paths) {
         if (!quality) return quality.error();
         all.push_back(*quality);
     }
-    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.largest > b.largest; });
+    std::stable_sort(all.begin(), all.end(),
+                     [](const auto& a, const auto& b) { return a.variance.value > b.variance.value; });
     fmt::print("file,of,median variance,largest variance,at [degrees],most lost,lost at [degrees]\n");
     for (const ViewQuality& quality : all)
         fmt::print("{},{},{:.4f},{:.4f},{:.1f},{:.4f},{:.1f}\n", quality.file,
-                   quality.is_measured ? "measurement" : "fit", quality.median, quality.largest, quality.largest_at,
-                   quality.lost, quality.lost_at);
+                   quality.is_measured ? "measurement" : "fit", quality.median, quality.variance.value,
+                   quality.variance.theta, quality.lost.value, quality.lost.theta);
     print_views(all, "to 85 degrees", &ViewQuality::variances);
     print_views(all, "at 87 and 89.4 degrees", &ViewQuality::grazing);
     return Done{};
@@ -178,18 +182,20 @@ Result<Done> print_horizon(std::span<char*> paths) {
             for (int k = 0; k < k_samples; ++k) {
                 const double u1 = uniform(random), u2 = uniform(random), u3 = uniform(random);
                 const double weight = luminance(sample(brdf, wv, {float(u1), float(u2)}, float(u3)).weight);
-                sum += weight, squares += weight * weight, largest = std::max(largest, weight);
+                sum += weight;
+                squares += weight * weight;
+                largest = std::max(largest, weight);
             }
             variances.emplace_back(k_samples * squares / (sum * sum) - 1, cosine);
             by_solid_angle.emplace_back(variances.back().first, std::sqrt(cosine));
             weights.emplace_back(largest, cosine);
         }
         std::ranges::sort(variances);
-        const auto [weight, at] = std::ranges::max(weights);
+        const auto [weight, cosine_of_weight] = std::ranges::max(weights);
         fmt::print("{},{:.4f},{:.4f},{:.4f},{:.4f},{:.5f},{:.2f},{:.5f}\n", std::filesystem::path(path).stem().string(),
                    variances[k_views / 2].first, variances[k_views * 95 / 100].first,
                    weighted_quantile(by_solid_angle, 0.95), variances.back().first, variances.back().second, weight,
-                   at);
+                   cosine_of_weight);
     }
     return Done{};
 }

@@ -192,6 +192,7 @@ void define_choices(py::module_& module) {
     });
     module.def("lightings", [] { return names_of(standard_lightings()); });
     module.def("code_languages", [] { return names_of(k_code_languages); });
+    module.def("host_materials", [] { return names_of(code_modules()); });
 }
 
 }  // namespace

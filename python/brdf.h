@@ -80,7 +80,7 @@ class PyBrdf {
 
   private:
     /// A prepared BRDF, made at the first use.
-    template <typename Prepared> struct PreparedOnFirstUse {
+    template <typename Prepared> struct AtFirstUse {
         std::once_flag flag;
         std::optional<Prepared> prepared;
 
@@ -96,8 +96,8 @@ class PyBrdf {
     std::shared_ptr<const AnyBrdf> content_;
     std::shared_ptr<const Origin> origin_;
     bool exchanged_ = false;
-    std::shared_ptr<PreparedOnFirstUse<PreparedBrdf>> front_ = std::make_shared<PreparedOnFirstUse<PreparedBrdf>>();
-    std::shared_ptr<PreparedOnFirstUse<PreparedBsdf>> sides_ = std::make_shared<PreparedOnFirstUse<PreparedBsdf>>();
+    std::shared_ptr<AtFirstUse<PreparedBrdf>> front_ = std::make_shared<AtFirstUse<PreparedBrdf>>();
+    std::shared_ptr<AtFirstUse<PreparedBsdf>> sides_ = std::make_shared<AtFirstUse<PreparedBsdf>>();
 };
 
 inline Array values_of(const PyBrdf& brdf, const Array& wl, const Array& wv) {
@@ -212,14 +212,6 @@ inline double change_by_azimuth(const PyBrdf& brdf) {
     if (!samples || !samples->isotropic) return 0;
     const py::gil_scoped_release released;
     return change_by_azimuth(*samples);
-}
-
-/// The samples that are finite and above the horizon, without an index for lookups.
-inline ScatteredSamples valid_samples(const Array& wl, const Array& wv, const Array& f, bool isotropic) {
-    require_unit(wl, "wl");
-    require_unit(wv, "wv");
-    const py::gil_scoped_release released;
-    return valid_samples(span_of<Vec3f>(wl), span_of<Vec3f>(wv), span_of<Rgb>(f), isotropic);
 }
 
 /// The measurement of arrays, whose rows are in `origin`.

@@ -39,13 +39,11 @@ inline py::dict measures_of(const Comparison& comparison) {
 }
 
 inline py::dict outcome_of(FitOutcome outcome) {
-    py::dict result;
-    result["errors"] = outcome.errors ? py::object(measures_of(*outcome.errors)) : py::none();
-    result["seconds"] = outcome.fit_seconds;
-    result["reached"] = outcome.reached;
-    result["stop_reason"] = outcome.stop ? py::object(py::str(std::string(name(*outcome.stop)))) : py::none();
-    result["model"] = PyBrdf(std::move(outcome.model));
-    return result;
+    using namespace pybind11::literals;
+    return py::dict("errors"_a = outcome.errors ? py::object(measures_of(*outcome.errors)) : py::none(),
+                    "seconds"_a = outcome.fit_seconds, "reached"_a = outcome.reached,
+                    "stop_reason"_a = outcome.stop ? py::object(py::str(std::string(name(*outcome.stop)))) : py::none(),
+                    "model"_a = PyBrdf(std::move(outcome.model)));
 }
 
 inline py::dict fit_brdf(const PyBrdf& brdf, const FitRequest& request, const py::object& progress) {
@@ -56,9 +54,9 @@ inline py::dict fit_brdf(const PyBrdf& brdf, const FitRequest& request, const py
         py::dict errors;
         for (const PartFit& part : outcome.parts)
             errors[py::str(std::string(name(part.part)))] = part.squared_error_ratio;
-        py::dict result = outcome_of({.model = std::move(outcome.model), .fit_seconds = outcome.fit_seconds});
-        result["errors"] = errors;
-        return result;
+        using namespace pybind11::literals;
+        return py::dict("errors"_a = errors, "seconds"_a = outcome.fit_seconds, "reached"_a = true,
+                        "stop_reason"_a = py::none(), "model"_a = PyBrdf(std::move(outcome.model)));
     }
     FitOutcome outcome = required(
         in_background(progress, [&](const ProgressToken& token) { return fit(*brdf.measured(), request, token); }));

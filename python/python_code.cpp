@@ -17,16 +17,16 @@ namespace {
 using EKind = Expression::Kind;
 using SKind = Statement::Kind;
 
-/// Names that Python uses otherwise.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 6> k_words{{{"min", "minimum"},
-                                                                                {"max", "maximum"},
-                                                                                {"int", "whole"},
-                                                                                {"from", "from_"},
-                                                                                {"true", "True"},
-                                                                                {"false", "False"}}};
+/// Names of the kernel that mean something else in Python, and the names that replace them.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 6> k_python_names{{{"min", "minimum"},
+                                                                                       {"max", "maximum"},
+                                                                                       {"int", "whole"},
+                                                                                       {"from", "from_"},
+                                                                                       {"true", "True"},
+                                                                                       {"false", "False"}}};
 std::string python_name(const std::string& name) {
-    for (const auto& [kernel_name, word] : k_words)
-        if (name == kernel_name) return std::string(word);
+    for (const auto& [kernel_name, python_name] : k_python_names)
+        if (name == kernel_name) return std::string(python_name);
     return name;
 }
 

@@ -37,7 +37,8 @@ namespace fs = std::filesystem;
 
 /// Makes allocation number `at` of `action` fail. Returns true if it makes so many.
 template <typename Action> bool fails(std::size_t at, const Action& action) {
-    allocations = 0, fails_at = at;
+    allocations = 0;
+    fails_at = at;
     action();
     fails_at = std::size_t(-1);
     return allocations > at;

@@ -18,11 +18,13 @@ using BsdfCode = CodeTest;
 std::vector<Model> bsdfs() {
     std::vector<Model> all(3, Model{lobe_bsdf_with_beams(), {}});
     auto& shared = std::get<BsdfModel>(all[1].model);
-    shared.part[1].reset(), shared.part[3].reset();
+    shared.part[1].reset();
+    shared.part[3].reset();
     shared.beam = {};
     shared.beam[1] = {{0.2f, float(k_pi / 2)}, {{0.3f, 0.2f, 0.1f}, {0.1f, 0.2f, 0.3f}}};
     auto& one_way = std::get<BsdfModel>(all[2].model);
-    one_way.part[0].reset(), one_way.part[1].reset();
+    one_way.part[0].reset();
+    one_way.part[1].reset();
     one_way.part[2] = std::make_shared<const Model>(
         Model{GgxModel{{}, {{0.1f, {0.9f, 0.5f, 0.2f}, 1}, {0.5f, {0, 0.03f, 0.2f}, 0.4f}}}, {}});
     for (Model& model : all) model = *read_model(write_model(model), "m");
@@ -117,7 +119,8 @@ void expect_draws(const Answer& answer, const Model& model, Vec3f wv, std::mt199
         }
         observed[bins.index(to_double(wl))] += 1;
         const double weight = double(answer(value_of, wl, wv).g * std::abs(wl.z) / draw_density);
-        sum += weight, squares += weight * weight;
+        sum += weight;
+        squares += weight * weight;
     }
     const double mass = sum_of(expected), seen = sum_of(observed);
     EXPECT_WITHIN(mass + double(lost) / count, 1, 7e-3);

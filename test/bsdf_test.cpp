@@ -39,7 +39,8 @@ TEST(Bsdf, PartsHaveFramesOfTheirOwn) {
         EXPECT_EQ(to_side(at->wv, side_of_viewer(at->part)), wv);
         EXPECT_EQ(value(model, wl, wv), value(*parts[std::size_t(at->part)], at->wl, at->wv));
         EXPECT_EQ(to_part_frame(wl, {-wl.x, -wl.y, -wl.z})->wv, mirror(to_part_frame(wl, wl)->wl));
-        lights.push_back(wl), views.push_back(wv);
+        lights.push_back(wl);
+        views.push_back(wv);
     }
     for (const int n : asked) EXPECT_GT(n, 50);
     std::vector<Rgb> f(lights.size());
@@ -52,7 +53,8 @@ TEST(Bsdf, PartsHaveFramesOfTheirOwn) {
 /// A part that is empty is answered by its counterpart: transmission is then reciprocal.
 TEST(Bsdf, MissingPartsHaveTheValuesOfTheirCounterparts) {
     BsdfModel bsdf = lobe_bsdf_with_beams();
-    bsdf.part[1].reset(), bsdf.part[3].reset();
+    bsdf.part[1].reset();
+    bsdf.part[3].reset();
     const Model model{bsdf, {}};
     for (const auto& [wl, wv] : random_pairs(400)) {
         const bool across = wl.z * wv.z < 0;
@@ -142,14 +144,21 @@ TEST(Bsdf, SamplesFollowTheDensity) {
             EXPECT_EQ(both.pdf, pdf(bsdf, drawn.wl, wv));
             EXPECT_EQ(both.value, value(bsdf, drawn.wl, wv));
             observed[bins.index(to_double(drawn.wl))] += 1;
-            scattered += double(drawn.weight.r), squares += std::pow(double(drawn.weight.r), 2);
+            scattered += double(drawn.weight.r);
+            squares += std::pow(double(drawn.weight.r), 2);
         }
         double mass = 0;
-        for (double& m : expected) mass += m, m *= count;
+        for (double& m : expected) {
+            mass += m;
+            m *= count;
+        }
         EXPECT_WITHIN(mass + double(beams + lost) / count, 1, 5e-3);
         // The expected counts are scaled to as many samples as were drawn.
         double drawn = 0, due = 0;
-        for (std::size_t i = 0; i < observed.size(); ++i) drawn += observed[i], due += expected[i];
+        for (std::size_t i = 0; i < observed.size(); ++i) {
+            drawn += observed[i];
+            due += expected[i];
+        }
         for (double& m : expected) m *= drawn / due;
         EXPECT_GT(chi2_p_value(observed, expected), sidak(0.01, 4)) << theta;
         // Weights are unbiased: the light that arrives, and that of the beams.
@@ -219,7 +228,8 @@ TEST(Bsdf, IsConverted) {
         for (const auto& [wl, wv] : random_pairs(2000)) {
             if (std::min(std::abs(wl.z), std::abs(wv.z)) < 0.2) continue;
             const double a = double(value(std::get<Model>(model), wl, wv).g), b = double(value(*again, wl, wv).g);
-            error += (a - b) * (a - b), energy += a * a;
+            error += (a - b) * (a - b);
+            energy += a * a;
         }
         EXPECT_LT(error / energy, format.name == "MBSDF" ? 1e-4 : 2e-2);
     }

@@ -298,8 +298,10 @@ TEST_F(Command, ConvertCopiesAndConverts) {
 
 TEST_F(Command, SurfacesAreExportedForOtherPrograms) {
     OpenPbrModel surface{.base_color = {0.9f, 0.6f, 0.3f}, .base_metalness = 1, .specular_roughness = 0.2f};
-    surface.coat_weight = 1, surface.coat_roughness = 0.5f;
-    surface.thin_film_weight = 0.5f, surface.thin_film_thickness = 0.25f;
+    surface.coat_weight = 1;
+    surface.coat_roughness = 0.5f;
+    surface.thin_film_weight = 0.5f;
+    surface.thin_film_thickness = 0.25f;
     ASSERT_TRUE(save_model({rounded(surface), {{"source", "a--b.bsdf"}}}, folder / "s.srbf").ok());
     const std::string openpbr = exported("mtlx"), standard = exported("standard-surface"),
                       script = exported("principled");
@@ -355,7 +357,8 @@ TEST_F(Command, SurfacesAreExportedForOtherPrograms) {
 /// Facets that are rougher along the tangent than across it, written for the other programs.
 TEST_F(Command, AnisotropicSurfacesAreExportedForOtherPrograms) {
     OpenPbrModel surface{.base_metalness = 1, .specular_roughness = 0.5f};
-    surface.specular_roughness_anisotropy = 0.5f, surface.specular_rotation = 0.125f;
+    surface.specular_roughness_anisotropy = 0.5f;
+    surface.specular_rotation = 0.125f;
     ASSERT_TRUE(save_model({surface, {}}, folder / "s.srbf").ok());
     const std::string openpbr = exported("mtlx"), usd = exported("usd"), script = exported("principled");
     EXPECT_CONTAINS(openpbr, "name=\"amount\" type=\"float\" value=\"-45\"");

@@ -336,7 +336,8 @@ SamplingQuality sampling_quality(const RglTable& table, const Evaluate& brdf) {
         const Vec3f l = to_float(wl), v = to_float(wv);
         brdf(std::span(&l, 1), std::span(&v, 1), std::span(&f, 1));
         const double weight = luminance(f) * wv.z / pdf;
-        sum += weight, squares += weight * weight;
+        sum += weight;
+        squares += weight * weight;
     }
     const double mean = sum / count;
     return {double(table.theta_l[slice]), squares / count / (mean * mean) - 1, double(lost) / count, mean};

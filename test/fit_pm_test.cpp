@@ -131,7 +131,8 @@ TEST(FitPm, ReciprocalFormIsReciprocal) {
         };
         std::vector<Vec3f> a, b;
         for (int i = 0; i < 1000; ++i) {  // to the horizon
-            a.push_back(draw(i % 4 == 0 ? 1e-5 : 1)), b.push_back(draw(i % 3 == 0 ? 1e-4 : 1));
+            a.push_back(draw(i % 4 == 0 ? 1e-5 : 1));
+            b.push_back(draw(i % 3 == 0 ? 1e-4 : 1));
             EXPECT_EQ(value(fit->model, a.back(), b.back()), value(fit->model, b.back(), a.back()));
         }
         std::vector<Rgb> f(a.size()), exchanged(a.size());
@@ -166,7 +167,8 @@ TEST(FitPm, AlbedoIsWithinItsLimit) {
             }
         };
         PmFitOptions options = short_search(form, 3, 2);
-        options.axial = form == PmForm::extended || scale > 1, options.albedo_limit = limit;
+        options.axial = form == PmForm::extended || scale > 1;
+        options.albedo_limit = limit;
         options.starts = options.perturbations = 2;
         const auto fit = checked(fit_pm(*observe(rising, {}), options));
         for (const PmModel& model : {fit->model, fit->unrounded}) {

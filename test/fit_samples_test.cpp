@@ -66,7 +66,9 @@ TEST(Folds, KeepGroupsTogetherAndHaveEqualSizes) {
     for (std::size_t i = 0; i < 500; i += 10) {
         const Vec3f l = samples.wl[i], v = samples.wv[i];
         const auto add = [&](Vec3f wl, Vec3f wv) {
-            samples.wl.push_back(wl), samples.wv.push_back(wv), samples.colour.push_back(samples.colour[i]);
+            samples.wl.push_back(wl);
+            samples.wv.push_back(wv);
+            samples.colour.push_back(samples.colour[i]);
         };
         add(l, v), add(v, l), add({l.x, -l.y, l.z}, {v.x, -v.y, v.z}), add({-l.y, l.x, l.z}, {-v.y, v.x, v.z});
     }
@@ -199,7 +201,8 @@ TEST(FitSamples, NoiseIsNotFitted) {
     for (int i = 0; i < 20000; ++i) {
         const Vec3d wl = random_direction_within(random, k_cap), wv = random_direction_within(random, k_cap);
         const double f = double(glossy(wl, wv).g), g = double(value(outcome->model, to_float(wl), to_float(wv)).g);
-        squared_error += (f - g) * (f - g), squares += f * f;
+        squared_error += (f - g) * (f - g);
+        squares += f * f;
     }
     EXPECT_LT(squared_error / squares, 0.5 * noise * noise);
 }
@@ -211,14 +214,17 @@ TEST(FitSamples, AveragesValuesAtTheSameDirections) {
     for (std::size_t i = 0; i < n; ++i) {
         const Rgb f = samples.colour[i];
         const Vec3f wl = samples.wl[i], wv = samples.wv[i];
-        samples.wl.push_back(wl), samples.wv.push_back(wv);
+        samples.wl.push_back(wl);
+        samples.wv.push_back(wv);
         samples.colour.push_back({0.9f * f.r, 0.9f * f.g, 0.9f * f.b});
         samples.colour[i] = {1.1f * f.r, 1.1f * f.g, 1.1f * f.b};
     }
     make_index(samples);
     const auto observations = checked(observe(samples, {Objective::raw, k_cap, 0}));
     PmFitOptions sample_options;
-    sample_options.lobes = 4, sample_options.starts = 4, sample_options.perturbations = 3;
+    sample_options.lobes = 4;
+    sample_options.starts = 4;
+    sample_options.perturbations = 3;
     const auto fit = checked(fit_pm(*observations, sample_options));
     const Measures errors = errors_at(samples, samples.colour, evaluator(fit->model), k_cap);
     EXPECT_WITHIN(errors.squared_error_ratio, 0.01 / 1.01, 0.001);
@@ -230,14 +236,17 @@ TEST(FitSamples, StaysBoundedOutsideThePlaneOfItsSamples) {
     for (int l = 0; l <= 70; l += 10)
         for (int v = -75; v <= 75; v += 5) {
             const Vec3d wl = spherical(l * k_degree, 0.0), wv = spherical(std::abs(v) * k_degree, v < 0 ? 0.0 : k_pi);
-            samples.wl.push_back(to_float(wl)), samples.wv.push_back(to_float(wv));
+            samples.wl.push_back(to_float(wl));
+            samples.wv.push_back(to_float(wv));
             samples.colour.push_back(glossy(wl, wv));
             peak = std::max(peak, double(samples.colour.back().g) * wl.z * wv.z);
         }
     make_index(samples);
     const auto observations = checked(observe(samples, {Objective::raw, k_cap, 0}));
     PmFitOptions options;
-    options.lobes = 4, options.starts = 4, options.perturbations = 3;
+    options.lobes = 4;
+    options.starts = 4;
+    options.perturbations = 3;
     const auto fit = checked(fit_pm(*observations, options));
     std::mt19937_64 random(8);
     for (int i = 0; i < 20000; ++i) {
@@ -264,7 +273,9 @@ ScatteredSamples goniometer_samples(Rgb (*f)(Vec3d, Vec3d)) {
     ScatteredSamples samples;
     const auto add = [&](double theta_l, double theta_v, double azimuth) {
         const Vec3d wl = spherical(theta_l * k_degree, 0.0), wv = spherical(theta_v * k_degree, azimuth * k_degree);
-        samples.wl.push_back(to_float(wl)), samples.wv.push_back(to_float(wv)), samples.colour.push_back(f(wl, wv));
+        samples.wl.push_back(to_float(wl));
+        samples.wv.push_back(to_float(wv));
+        samples.colour.push_back(f(wl, wv));
     };
     for (const double theta_l : {10.0, 30.0, 50.0, 70.0}) {
         for (int theta_v = -80; theta_v <= 80; theta_v += 5) add(theta_l, std::abs(theta_v), theta_v < 0 ? 0 : 180);
@@ -342,8 +353,10 @@ std::vector<ScatteredSamples> layouts_without_mirror() {
     std::mt19937_64 random(12);
     while (layouts[2].wl.size() < 60)
         if (const Vec3d wl = random_direction_within(random, k_cap), wv = random_direction_within(random, k_cap);
-            normalize(wl + wv).z < 0.999)
-            layouts[2].wl.push_back(to_float(wl)), layouts[2].wv.push_back(to_float(wv));
+            normalize(wl + wv).z < 0.999) {
+            layouts[2].wl.push_back(to_float(wl));
+            layouts[2].wv.push_back(to_float(wv));
+        }
     return layouts;
 }
 
@@ -408,8 +421,10 @@ TEST(FitSamples, IsJudgedAtItsSamplesToo) {
     EXPECT_GT(errors.samples_delta_e, 10);
     EXPECT_TRUE(headline(errors).starts_with("visible at once")) << headline(errors);
     // The worst counts, and where errors disagree that is said.
-    errors.samples_delta_e = 3, errors.measure = &Measures::log10_rms;
-    errors.appearance.mean.delta_e = 5, errors.heldout_appearance->mean.delta_e = 4;
+    errors.samples_delta_e = 3;
+    errors.measure = &Measures::log10_rms;
+    errors.appearance.mean.delta_e = 5;
+    errors.heldout_appearance->mean.delta_e = 4;
     errors.matrix.log10_rms = errors.heldout.log10_rms = 0.44;
     EXPECT_EQ(headline_errors(errors).mean.delta_e, 5);
     EXPECT_LACKS(headline(errors), "apart");
@@ -429,7 +444,9 @@ TEST(FitSamples, HasNoHighlightForAMatteSurface) {
             const auto observations = checked(
                 observe(with_noise(layout, matte, noise, seed), {.objective = Objective::appearance, .seed = seed}));
             PmFitOptions sample_options;
-            sample_options.lobes = 4, sample_options.starts = 3, sample_options.perturbations = 4,
+            sample_options.lobes = 4;
+            sample_options.starts = 3;
+            sample_options.perturbations = 4;
             sample_options.seed = seed;
             const auto fit = checked(fit_pm(*observations, sample_options));
             for (int theta = 0; theta <= 75; theta += 5)
@@ -496,7 +513,9 @@ TEST(FitSamples, LooksLikeTheMaterialInGaps) {
         const auto observations =
             checked(observe(samples, {.objective = Objective::appearance, .max_theta = k_cap, .seed = seed}));
         PmFitOptions sample_options;
-        sample_options.starts = 6, sample_options.perturbations = 14, sample_options.seed = seed;
+        sample_options.starts = 6;
+        sample_options.perturbations = 14;
+        sample_options.seed = seed;
         const auto fit = checked(fit_pm(*observations, sample_options));
         const Evaluate others[] = {evaluator(fit->model)};
         cosine +=
@@ -519,7 +538,9 @@ TEST(FitSamples, HorizonHighlightsAreNoBrighterThanGapFilledSamples) {
     const double max_theta = 89 * k_degree;
     const auto observations = checked(observe(samples, {.objective = Objective::appearance, .max_theta = max_theta}));
     PmFitOptions sample_options;
-    sample_options.lobes = 8, sample_options.starts = 3, sample_options.perturbations = 4;
+    sample_options.lobes = 8;
+    sample_options.starts = 3;
+    sample_options.perturbations = 4;
     const auto fit = checked(fit_pm(*observations, sample_options));
     for (int theta = 70; theta <= 88; ++theta) {
         const Vec3f wl = to_float(spherical(theta * k_degree, 0.0)), wv = to_float(spherical(theta * k_degree, k_pi));
@@ -536,7 +557,9 @@ TEST(FitSamples, BoundsBarelyChangeAFitOfAMetal) {
         const auto observations =
             checked(observe(samples, {.objective = Objective::appearance, .max_theta = 89 * k_degree, .seed = seed}));
         PmFitOptions sample_options;
-        sample_options.lobes = 6, sample_options.starts = 2, sample_options.perturbations = 4,
+        sample_options.lobes = 6;
+        sample_options.starts = 2;
+        sample_options.perturbations = 4;
         sample_options.seed = seed;
         const auto fit = checked(fit_pm(*observations, sample_options));
         const Measures errors = errors_at(samples, samples.colour, evaluator(fit->model), 89 * k_degree);
@@ -552,7 +575,8 @@ TEST(FitSamples, SpectralAndColourFitsOfAPaintAgree) {
     const auto& samples = std::get<ScatteredSamples>(paint.table);
     PmFitOptions sample_options;
     sample_options.lobes = 4;
-    sample_options.starts = 12, sample_options.perturbations = 24;
+    sample_options.starts = 12;
+    sample_options.perturbations = 24;
     const auto fit = [&](bool spectral) {
         return fit_pm(*observe(samples, ObserveSamplesOptions{Objective::raw, 80 * k_degree, 0, spectral}),
                       sample_options);
@@ -589,7 +613,9 @@ TEST(FitSamples, GapsAreFilledForSpectraAsForColours) {
             for (int c = 0; c < 3; ++c) f[c] += weights[i][c] * spectrum[i];
     }
     PmFitOptions sample_options;
-    sample_options.lobes = 3, sample_options.starts = 2, sample_options.perturbations = 2;
+    sample_options.lobes = 3;
+    sample_options.starts = 2;
+    sample_options.perturbations = 2;
     const auto fit = [&](bool spectral) {
         ObserveSamplesOptions options;
         options.spectral = spectral;
@@ -609,7 +635,9 @@ TEST(FitSamples, TooFewOrUnusableSamplesAreAnError) {
         const auto observations = observe(samples, {Objective::raw, k_cap, 0});
         if (!observations) return error_text(observations);
         PmFitOptions sample_options;
-        sample_options.lobes = lobes, sample_options.starts = 1, sample_options.perturbations = 0;
+        sample_options.lobes = lobes;
+        sample_options.starts = 1;
+        sample_options.perturbations = 0;
         return error_text(fit_pm(*observations, sample_options));
     };
     EXPECT_CONTAINS(error_message(samples_of(20, 0, 9), 8), "samples: expected at least 96 values, found 60");

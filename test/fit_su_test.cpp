@@ -46,7 +46,10 @@ SuModel separated_lobes(int lobes, bool isotropic, std::uint64_t seed) {
     std::vector<Rgb> colour;
     for (std::size_t i = 0; i < model.direction.size(); ++i) {
         if (i == 0 || !isotropic) {
-            azimuth_offset.clear(), theta.clear(), bandwidth.clear(), colour.clear();
+            azimuth_offset.clear();
+            theta.clear();
+            bandwidth.clear();
+            colour.clear();
             const double first = 2 * k_pi * uniform(random);
             for (int j = 0; j < lobes; ++j) {
                 azimuth_offset.push_back(first + 2 * k_pi * j / lobes);

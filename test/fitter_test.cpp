@@ -17,14 +17,18 @@ namespace {
 
 FitRequest pm(PmSize size, int variates = 2, Objective objective = Objective::raw) {
     PmRequest pm;
-    pm.size = size, pm.variates = variates, pm.effort = 0.1;
+    pm.size = size;
+    pm.variates = variates;
+    pm.effort = 0.1;
     FitRequest request;
-    request.model = pm, request.objective = objective;
+    request.model = pm;
+    request.objective = objective;
     return request;
 }
 FitRequest su(int directions) {
     SuRequest su;
-    su.lobes = 2, su.directions = directions;
+    su.lobes = 2;
+    su.directions = directions;
     FitRequest request;
     request.model = su;
     return request;

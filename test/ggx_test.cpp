@@ -32,7 +32,8 @@ TEST(Ggx, IsReciprocalIsotropicAndNeverNegative) {
     for (int i = 0; i < 2000; ++i) {
         const GgxModel model = random_ggx(random, 1 + i % 2);
         Vec3d wl = random_direction(random), wv = random_direction(random);
-        wl.z = std::abs(wl.z), wv.z = std::abs(wv.z);
+        wl.z = std::abs(wl.z);
+        wv.z = std::abs(wv.z);
         const Rgb f = value(model, to_float(wl), to_float(wv)), g = value(model, to_float(wv), to_float(wl));
         const double turn = 6 * uniform(random);
         const auto turned = [&](Vec3d w) {

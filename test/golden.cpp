@@ -31,13 +31,17 @@ class Hash {
     void add(double x) { add(std::as_bytes(std::span(&x, 1))); }
     void add(const Measures& measures) {
         for (const MeasureName& measure : k_measures) add(measures.*measure.member);
-        add(double(measures.pairs)), add(double(measures.masked));
+        add(double(measures.pairs));
+        add(double(measures.masked));
     }
     void add(const PictureErrors& errors) {
         for (const PictureErrorName& error : k_picture_errors) add(errors.*error.member);
     }
     void add(const Comparison& comparison) {
-        add(comparison.matrix), add(comparison.heldout), add(comparison.albedo_error), add(comparison.appearance.mean);
+        add(comparison.matrix);
+        add(comparison.heldout);
+        add(comparison.albedo_error);
+        add(comparison.appearance.mean);
         for (const PictureErrors& lighting : comparison.appearance.lighting) add(lighting);
     }
     std::string text() const {
@@ -81,7 +85,8 @@ std::string digits(double x) {
 TableRow line_of(const FitOutcome& outcome) {
     Hash figures;
     figures.add(*outcome.errors);
-    figures.add(double(outcome.masked)), figures.add(double(outcome.clamped));
+    figures.add(double(outcome.masked));
+    figures.add(double(outcome.clamped));
     for (const Trial& step : outcome.path) figures.add(step.error);
     // For a view-by-view model with many views, errors are measured at a subset of the pairs.
     return {hash_of(outcome.model), figures.text(), digits(outcome.errors->appearance.mean.delta_e),
@@ -113,7 +118,8 @@ Pairs some_pairs(std::size_t count) {
                      u5 = uniform(random);
         const Vec3d v = mixture.sample_cap(u1, u2), l = mixture.sample(v, u3, u4, u5);
         if (!mixture.contains(l)) continue;
-        pairs.wl.push_back(to_float(l)), pairs.wv.push_back(to_float(v));
+        pairs.wl.push_back(to_float(l));
+        pairs.wv.push_back(to_float(v));
     }
     return pairs;
 }

@@ -348,7 +348,8 @@ std::map<std::string, std::string> metadata(std::size_t first, bool harmless) {
     std::map<std::string, std::string> entries;
     for (std::size_t i = 0; i < k_fields; ++i) {
         const std::string text = harmless ? "b" : k_texts[(first + i) % k_fields];
-        entries[fields[i]] = text, entries[harmless ? fmt::format("x{}", i) : text] = text;
+        entries[fields[i]] = text;
+        entries[harmless ? fmt::format("x{}", i) : text] = text;
     }
     return entries;
 }

@@ -292,17 +292,28 @@ std::vector<double> all_results(const PackedObservations& rows) {
     const auto add = [&](const Aligned<float>& numbers) {
         results.insert(results.end(), numbers.begin(), numbers.end());
     };
-    variate_features(rows, 0, 0, 0.6f, -0.8f, true, s.data(), derivatives.data()), add(s), add(derivatives);
-    variate_features(rows, 1, 1, 0.6f, 0.8f, false, s.data(), derivatives.data()), add(s), add(derivatives);
-    further_features(rows, 0, SRBF_TERMS, further.data()), add(further);
+    variate_features(rows, 0, 0, 0.6f, -0.8f, true, s.data(), derivatives.data());
+    add(s);
+    add(derivatives);
+    variate_features(rows, 1, 1, 0.6f, 0.8f, false, s.data(), derivatives.data());
+    add(s);
+    add(derivatives);
+    further_features(rows, 0, SRBF_TERMS, further.data());
+    add(further);
     const float* const root_weight = &rows.root_weight[k_block];
-    results.push_back(exponent(weight, pointers_to, root_weight, x.data(), rows.rows_in(1))), add(x);
-    exponentiate(x.data(), root_weight, 5, x.data(), rows.rows_in(1)), add(x);
-    results.push_back(residual(columns[0].data(), weight, pointers_to, x.data())), add(x);
-    results.push_back(sum(x.data())), results.push_back(sum_of_squares(x.data()));
+    results.push_back(exponent(weight, pointers_to, root_weight, x.data(), rows.rows_in(1)));
+    add(x);
+    exponentiate(x.data(), root_weight, 5, x.data(), rows.rows_in(1));
+    add(x);
+    results.push_back(residual(columns[0].data(), weight, pointers_to, x.data()));
+    add(x);
+    results.push_back(sum(x.data()));
+    results.push_back(sum_of_squares(x.data()));
     std::vector<double> G(13 * 13);
-    add_gram(pointers_to, G.data(), 448), results.insert(results.end(), G.begin(), G.end());
-    add_products(pointers_to, pointers_to, G.data()), results.insert(results.end(), G.begin(), G.end());
+    add_gram(pointers_to, G.data(), 448);
+    results.insert(results.end(), G.begin(), G.end());
+    add_products(pointers_to, pointers_to, G.data());
+    results.insert(results.end(), G.begin(), G.end());
     return results;
 }
 

@@ -176,9 +176,13 @@ TEST(Lobes, LossIncludesPictures) {
                     fitted[c] += pixel.weight[i] * value(model, view.wl[pixel.first + i], view.wv)[c];
                 }
             for (int c = 0; c < 3; ++c)
-                if (measured[c] >= 1) measured[c] = 1, fitted[c] = std::min(fitted[c], 1.f);
+                if (measured[c] >= 1) {
+                    measured[c] = 1;
+                    fitted[c] = std::min(fitted[c], 1.f);
+                }
             const double difference = delta_e_itp(measured, fitted);
-            delta_e += difference, picture_loss += 2 * (std::sqrt(difference * difference + 1) - 1);
+            delta_e += difference;
+            picture_loss += 2 * (std::sqrt(difference * difference + 1) - 1);
             ++pixels;
         }
     EXPECT_WITHIN_RELATIVE(loss, pair_loss + 0.01 * picture_loss / pixels, 2e-3);

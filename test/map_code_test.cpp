@@ -79,15 +79,6 @@ std::vector<DirectionPair> pairs(std::size_t count) {
     }
     return pairs;
 }
-/// The mean BRDF of these texels.
-Rgb mean(const TexelMap& map, const std::vector<std::size_t>& texels, const DirectionPair& at) {
-    Rgb sum;
-    for (const std::size_t t : texels) {
-        const Rgb f = value(texel(map, t), at.wl, at.wv);
-        for (int c = 0; c < 3; ++c) sum[c] += f[c] / float(texels.size());
-    }
-    return sum;
-}
 void expect_near(const Rgb& found, const Rgb& expected, float relative, const std::string& texel) {
     EXPECT_RGB_WITHIN_RELATIVE(found, expected, relative, 1e-30) << texel;
 }
@@ -230,6 +221,15 @@ TEST_F(MapCode, BytesHardlyAddToTheErrorOfData) {
 }
 
 #ifdef SRBF_RASTER
+/// The mean BRDF of these texels.
+Rgb mean(const TexelMap& map, const std::vector<std::size_t>& texels, const DirectionPair& at) {
+    Rgb sum;
+    for (const std::size_t t : texels) {
+        const Rgb f = value(texel(map, t), at.wl, at.wv);
+        for (int c = 0; c < 3; ++c) sum[c] += f[c] / float(texels.size());
+    }
+    return sum;
+}
 /// Texels of a map, and where a level of its texture shows their mean.
 struct TexelArea {
     std::vector<std::size_t> texels;

@@ -84,7 +84,10 @@ double interpolated(const MerlTable& table, double h, double d, double p) {
         const int i = int(h) + (corner & 1), j = int(d) + (corner >> 1 & 1), k = int(p) + (corner >> 2);
         const double w = (1 - std::abs(h - i)) * (1 - std::abs(d - j)) * (1 - std::abs(p - k));
         const float f = table.cells[std::size_t(k % n_p + n_p * (j + n_d * i))].g;
-        if (!std::isnan(f)) sum += w * double(f), weight += w;
+        if (!std::isnan(f)) {
+            sum += w * double(f);
+            weight += w;
+        }
     }
     return sum / weight;
 }
@@ -167,7 +170,10 @@ TEST(Merl, BatchesHaveTheBitsOfSingleValues) {
                              {0, 0, std::nanf("")}};
     std::vector<Vec3f> wl, wv;
     for (const Vec3f l : special)
-        for (const Vec3f v : special) wl.push_back(l), wv.push_back(v);
+        for (const Vec3f v : special) {
+            wl.push_back(l);
+            wv.push_back(v);
+        }
     for (int i = 0; i < 5000; ++i) {
         wl.push_back(to_float(random_direction(random)));
         wv.push_back(i % 5 == 0 ? mirror(wl.back()) : to_float(random_direction(random)));

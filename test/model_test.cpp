@@ -63,7 +63,8 @@ TEST(Model, NumbersBeyondAHalfAreHeldAtItsEnd) {
     model.bandwidth[0] = 1e9f;
     model.centre[1] = {0, 0, -1};
     model.bandwidth[1] = 1e-12f;
-    model.log_scale[0] = -1e9f, model.log_scale[1] = 1e9f;
+    model.log_scale[0] = -1e9f;
+    model.log_scale[1] = 1e9f;
     const PmModel once = rounded(model);
     EXPECT_EQ(once.coefficient[0], (Rgb{k_half_max, k_half_max, 0}));
     EXPECT_EQ(once.bandwidth[0], k_half_max);
@@ -152,7 +153,8 @@ TEST(Model, BytesAreThePromisedOnes) {
 
 TEST(Model, TensorsAreNamedAndOrderedAsPromised) {
     PmModel model;
-    model.lobes = 1, model.variates = 2;
+    model.lobes = 1;
+    model.variates = 2;
     model.coefficient = {{1, 2, 0.5f}};
     model.log_scale = {0};
     model.centre = {{0, 0, 1}, {0, 0, -1}};

@@ -72,7 +72,7 @@ function new_worker() {
 
 // ---- The display -------------------------------------------------------------------------------------------------
 
-const k_level = ["good", "good", "fair", "poor"];
+const k_level = ["good", "good", "fair", "poor"], k_good_energy_error = 0.02; // of the incident light
 // The file that the page shows, its fitted model (or the model in the file), and the edited model. `run_id` counts files and fits:
 // an action whose number is no longer this one has been replaced by a later one.
 let file = null, fitted = null, edited = null, run_id = 0, fit_start = 0, can_draw = false;
@@ -168,8 +168,8 @@ function show_draft(draft) {
   show_drawing();
 }
 function show_fit(report) {
-  const { seen, smoothed } = report, level = seen ? k_level[(smoothed ?? seen).level] : report.energyError <= 0.02 ? "good" : "fair";
-  $("verdict").className = level;
+  const { seen, smoothed } = report, level_of_energy = report.energyError <= k_good_energy_error ? "good" : "fair";
+  $("verdict").className = seen ? k_level[(smoothed ?? seen).level] : level_of_energy;
   $("verdict").textContent = describe_errors(report);
   const ratio = with_commas(Math.round(report.sourceBytes / report.bytes));
   $("sizes").textContent =
@@ -236,11 +236,14 @@ async function result_of(promise, is_current, on_error = show_failure) {
   }
 }
 // Asks the worker for a step of a fit, an edit or a save. `question` may be a promise.
-const ask_step = (own_run, question) => result_of(Promise.resolve(question).then((ready) => worker.ask(ready)), () => own_run === run_id, (message) => {
-  show_failure(message);
-  show_working("");
-  if (worker?.is_trapped) restart_done = restart_worker();
-});
+function ask_step(own_run, question) {
+  const answer = Promise.resolve(question).then((ready) => worker.ask(ready));
+  return result_of(answer, () => own_run === run_id, (message) => {
+    show_failure(message);
+    show_working("");
+    if (worker?.is_trapped) restart_done = restart_worker();
+  });
+}
 
 // Starts the pictures, and places the sliders, buttons and light controls beside them. `common`: the data of `begin`.
 let pictures_started = null; // a promise

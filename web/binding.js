@@ -83,6 +83,7 @@ async function new_srbf(module, progress = () => true) {
     highlight: (number) => (check(c.srbf_highlight(number)), JSON.parse(text())),
     edit: (number, edits) => describe(check(with_bytes([JSON.stringify(edits)], (address, size) => c.srbf_edit(number, address, size)))),
     model_file: (number) => (check(c.srbf_model_file(number)), content()),
+    code_languages: () => (check(c.srbf_code_languages()), JSON.parse(text())),
     code: (number, language, { sampling = false, environment = false } = {}) =>
       (check(with_bytes([language], (address, size) => c.srbf_code(number, address, size, sampling ? 1 : 0, environment ? 1 : 0))), text()),
     blender: (number) => (check(c.srbf_blender(number)), text()), // of a measurement or a model
@@ -91,7 +92,8 @@ async function new_srbf(module, progress = () => true) {
     // f [1/sr] at pairs of directions: x, y, z of each in `wl` and `wv`, and R, G, B of each in the result.
     evaluate: (number, wl, wv) => {
       const count = wl.length / 3;
-      if (!Number.isInteger(count) || wv.length !== wl.length) throw new Error("directions: expected as many to the viewer as to the light, of three numbers each");
+      if (!Number.isInteger(count) || wv.length !== wl.length)
+        throw new Error("directions: expected as many to the viewer as to the light, of three numbers each");
       return with_bytes([floats(wl), floats(wv), new Uint8Array(12 * count)], (a, size, b, same, f) => {
         check(c.srbf_evaluate(number, a, b, f, count));
         return new Float32Array(c.memory.buffer.slice(f, f + 12 * count));

@@ -23,7 +23,7 @@ const texts = {
   roughen: () => times(Math.sqrt(factor("roughen"))), highlight: () => times(factor("highlight")), body: () => times(factor("body")),
   saturate: () => times(saturation()), hue: () => `${value("hue")}°`,
 };
-const warmth_text = (x) => x === 0 ? "as it is" : x < 0 ? `${Math.round(-100 * x)} % cooler` : `${Math.round(100 * x)} % warmer`;
+const warmth_text = (x) => x === 0 ? "as it is" : `${Math.round(Math.abs(100 * x))} % ${x < 0 ? "cooler" : "warmer"}`;
 
 // The edits for the library: only those that change the model.
 function edits() {

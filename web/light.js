@@ -11,11 +11,12 @@ const fail = (what, expected, found) => { throw new Error(`${what}: expected ${e
 
 // The kinds of files that have neither light nor a material, as "a PNG picture", by their first bytes.
 const k_kinds = [[/^$/, "an empty file"], [/^\x89PNG/, "a PNG picture"], [/^\xff\xd8\xff/, "a JPEG picture"], [/^GIF8/, "a GIF picture"],
-  [/^RIFF....WEBP/s, "a WebP picture"], [/^(II\*\0|MM\0\*)/, "a TIFF picture"], [/^BM....\0\0\0\0/s, "a BMP picture"], [/^8BPS/, "a Photoshop picture"],
-  [/^....ftyp(avif|hei[cfx]|mif1)/s, "a HEIF or AVIF picture"], [/^....ftyp|^\x1aE\xdf\xa3/s, "a video"], [/^\s*(<\?xml[^>]*>\s*)?<svg\b/, "an SVG picture"],
-  [/^%PDF/, "a PDF document"], [/^PK\x03\x04/, "a ZIP archive"], [/^(7z\xbc\xaf|Rar!|\x1f\x8b|\x28\xb5\x2f\xfd)/, "a compressed file"],
-  [/^BLENDER/, "a Blender file"], [/^glTF/, "a glTF scene"], [/^Kaydara FBX/, "an FBX scene"], [/^(PXR-USDC|#usda)/, "a USD scene"],
-  [/^(ID3|OggS|fLaC|RIFF....WAVE)/s, "a sound"], [/^\s*(<!--.*?-->\s*)*<(!doctype html|html)\b/is, "a web page"], [/^\s*[[{]/, "a JSON file"]];
+  [/^RIFF....WEBP/s, "a WebP picture"], [/^(II\*\0|MM\0\*)/, "a TIFF picture"], [/^BM....\0\0\0\0/s, "a BMP picture"],
+  [/^8BPS/, "a Photoshop picture"], [/^....ftyp(avif|hei[cfx]|mif1)/s, "a HEIF or AVIF picture"], [/^....ftyp|^\x1aE\xdf\xa3/s, "a video"],
+  [/^\s*(<\?xml[^>]*>\s*)?<svg\b/, "an SVG picture"], [/^%PDF/, "a PDF document"], [/^PK\x03\x04/, "a ZIP archive"],
+  [/^(7z\xbc\xaf|Rar!|\x1f\x8b|\x28\xb5\x2f\xfd)/, "a compressed file"], [/^BLENDER/, "a Blender file"], [/^glTF/, "a glTF scene"],
+  [/^Kaydara FBX/, "an FBX scene"], [/^(PXR-USDC|#usda)/, "a USD scene"], [/^(ID3|OggS|fLaC|RIFF....WAVE)/s, "a sound"],
+  [/^\s*(<!--.*?-->\s*)*<(!doctype html|html)\b/is, "a web page"], [/^\s*[[{]/, "a JSON file"]];
 const first_text = (bytes) => String.fromCharCode(...bytes.subarray(0, 4096));
 const kind_of = (bytes) => k_kinds.find(([pattern]) => pattern.test(first_text(bytes)))?.[1] ?? null;
 // True if a file is meant as an environment.
@@ -101,7 +102,8 @@ async function read_exr(bytes) {
     channels.push({ name, size: type === 1 ? 2 : 4, type });
     if (name.length === 1 && "RGB".includes(name) && type === 0) fail(`channel ${name}`, "halves or floats", "integers");
   }
-  for (const name of "RGB") if (!channels.some((channel) => channel.name === name)) fail("channels", "R, G and B", channels.map((channel) => channel.name).join(" "));
+  const names = channels.map(({ name }) => name);
+  for (const name of "RGB") if (!names.includes(name)) fail("channels", "R, G and B", names.join(" "));
   const row_bytes = width * channels.reduce((sum, { size }) => sum + size, 0), rows = compression === 3 ? 16 : 1;
   if (width < 1 || height < 1 || width * height > 2 ** 26) fail("size", "at most 67108864 texels", `${width} x ${height}`);
   const texels = new Float32Array(3 * width * height);
@@ -308,6 +310,7 @@ function facing_azimuth({ width, height, texels }) {
   return Number.isFinite(current) ? target - current : 0;
 }
 
-return { kind_of, is_environment, read_file, decode_rgbe, soft_box, new_empty_texture, new_environment, new_buffer, delete_buffer, shift_of, exposure_of, facing_azimuth };
+return { kind_of, is_environment, read_file, decode_rgbe, soft_box, new_empty_texture, new_environment, new_buffer, delete_buffer, shift_of,
+  exposure_of, facing_azimuth };
 }
 const light = lighting();

@@ -123,9 +123,9 @@ function new_material(description) {
   return material;
 }
 function forget_material(index) {
-  const material = materials[index];
-  if (material && material.block) gl.deleteBuffer(material.block);
-  if (material) for (const { texture } of material.textures) gl.deleteTexture(texture);
+  const { block = null, textures = [] } = materials[index] ?? {};
+  gl.deleteBuffer(block); // null is ignored
+  for (const { texture } of textures) gl.deleteTexture(texture);
   delete materials[index];
 }
 const material_of = (index) => materials[index] ??= new_material(descriptions[index]);
@@ -211,10 +211,8 @@ function draw_surface(scene, width, height, shift) {
 }
 // Two buffers of a material, which alternately hold the mean of its samples.
 function means_of(index, width, height) {
-  const buffers = means[index];
-  if (buffers && buffers[0].width === width && buffers[0].height === height) return buffers;
-  if (buffers) for (const buffer of buffers) light.delete_buffer(gl, buffer);
-  return means[index] = [0, 1].map(() => light.new_buffer(gl, width, height, 1, false));
+  const buffers = means[index] ?? [null, null];
+  return means[index] = buffers.map((buffer) => reusable(buffer, width, height) ?? light.new_buffer(gl, width, height, 1, false));
 }
 // Adds sample `count` to a mean: reads it from `source` and writes it to `target`, at the points that `draw_surface` found.
 function draw_sample(index, scene, count, source, target, shift) {
@@ -260,7 +258,8 @@ void main() {
 }`;
 // Shows a mean of this number of samples. The noise of the first ones is smoothed.
 function develop_mean(mean, count, scene) {
-  const { width, height } = mean, reach = count < 4 ? 2 : count < 8 ? 1 : 0, [picture] = reach ? means_of("smooth", width, height) : [mean];
+  const { width, height } = mean, reach = Math.max(2 - Math.floor(count / 4), 0); // pixels on each side
+  const [picture] = reach ? means_of("smooth", width, height) : [mean];
   if (reach) {
     if (visible.width !== 2 * width || visible.height !== 2 * height) draw_surface(scene, width, height, light.shift_of(0));
     smoothing_program ??= new_program(data.whole, k_smoothing_text);
@@ -363,10 +362,13 @@ function draw_parts(index, scene, width, height) {
   }
   const { parts } = edited, has_new_roughness = edited.roughness !== edit.roughness[0], drawn = around ? parts : parts.slice(0, k_around);
   // When nothing moves, a picture under lights has four points per pixel.
-  const whole = around || is_quick ? 1 : 2, coarse = 1 / Math.min(Math.max(Math.ceil(Math.sqrt(edited.duration / k_quick_ms)), 1), k_coarsest);
+  const whole = around || is_quick ? 1 : 2;
+  const coarse = 1 / Math.min(Math.max(Math.ceil(Math.sqrt(edited.duration / k_quick_ms)), 1), k_coarsest);
   for (const part of drawn) {
     const is_new = part.samples === 0 || part === parts[k_highlight] && has_new_roughness;
-    const size = is_quick ? is_new ? part.samples > 0 ? coarse : whole : part.size : whole;
+    let size = whole;
+    if (is_quick && !is_new) size = part.size;
+    else if (is_quick && part.samples > 0) size = coarse;
     if (is_new || size !== part.size) Object.assign(part, { samples: 0, size });
   }
   edited.roughness = edit.roughness[0];
@@ -375,7 +377,7 @@ function draw_parts(index, scene, width, height) {
   for (const part of drawn) {
     if (part.samples > fewest || fewest > 0 && (is_quick || !around)) continue;
     const which = parts.indexOf(part), start = performance.now();
-    draw_part(index, which, scene, ...[width, height].map((n) => Math.max(Math.round(part.size * n), 1)));
+    draw_part(index, which, scene, scaled(width, part.size), scaled(height, part.size));
     if (which !== k_highlight) continue;
     wait_for_card(part.buffer);
     edited.duration = (performance.now() - start) / part.size ** 2;
@@ -431,8 +433,9 @@ function draw_picture({ subject, width, height, scene }) {
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
   gl.viewport(0, 0, width, height);
   if (subject === "difference") return draw_difference();
-  const draw = descriptions[subject].edit ? draw_edited : scene.around ? draw_under_environment : draw_under_lights;
-  draw(subject, scene, width, height);
+  if (descriptions[subject].edit) draw_edited(subject, scene, width, height);
+  else if (scene.around) draw_under_environment(subject, scene, width, height);
+  else draw_under_lights(subject, scene);
   if (subject < 2) keep_picture(subject, width, height);
 }
 // Waits until the graphics card has finished the canvas, or a buffer of floats.
@@ -448,15 +451,18 @@ function initial_size({ is_quick, pictures }) {
   if (pictures.some(({ subject }) => descriptions[subject]?.edit)) return 1;
   return Math.min(Math.max(Math.sqrt(k_quick_ms / (sample_ms * pixels_of(pictures))), 1 / k_coarsest), 1);
 }
-const resize_by = (size) => ({ width, height, ...rest }) => ({ ...rest, width: Math.max(Math.round(size * width), 1), height: Math.max(Math.round(size * height), 1) });
+const scaled = (length, size) => Math.max(Math.round(size * length), 1); // [pixels]
 
 // Draws one round of pictures. A difference needs the pictures of both materials.
-function draw_all({ number, size, pictures: whole }) {
-  const pictures = whole.map(resize_by(size)), difference = pictures.find(({ subject }) => subject === "difference");
-  const round = pictures.filter(({ subject }) => subject !== "difference"), requested = new Set(round.map(({ subject }) => subject));
-  if (difference) for (const subject of [0, 1]) if (!requested.has(subject)) round.push({ ...difference, subject, hidden: true });
+function draw_all({ number, size, pictures: requested }) {
+  const pictures = requested.map((picture) => ({ ...picture, width: scaled(picture.width, size), height: scaled(picture.height, size) }));
+  const difference = pictures.find(({ subject }) => subject === "difference"), round = pictures.filter((picture) => picture !== difference);
+  if (difference) {
+    const missing = [0, 1].filter((subject) => !requested.some((picture) => picture.subject === subject));
+    round.push(...missing.map((subject) => ({ ...difference, subject, hidden: true })), difference);
+  }
   let drawn = 0;
-  for (const picture of difference ? [...round, difference] : round) {
+  for (const picture of round) {
     const { subject } = picture;
     if (subject === "difference" ? !descriptions[0] || !descriptions[1] : !descriptions[subject]) continue;
     try {
@@ -478,7 +484,8 @@ function draw_all({ number, size, pictures: whole }) {
   post({ kind: "drawn", number, samples, exposure });
   return drawn;
 }
-let job = null, timer = 0, context_loss = null; // the last `draw` message with the size of its next round
+let job = null; // the last `draw` message with the size of its next round
+let timer = 0, context_loss = null;
 function draw_soon(milliseconds) {
   clearTimeout(timer);
   timer = setTimeout(() => {

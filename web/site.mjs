@@ -108,13 +108,15 @@ for (const [name, content] of Object.entries(data_files)) {
 // The page in one file, without the report. Its data comes last, so that the page is shown before they are read.
 const one_file = with_balls(`data:image/jpeg;base64,${balls.toString("base64")}`)
   .replace(/ <a href="gallery.*?<\/a>/, "").replace("One folder", "One file")
-  .replace(/<link rel="stylesheet" href="(.*?)">/g, (_, name) => `<style>\n${page_files[name]}</style>`).replace("</body>", () => embedded + "</body>")
+  .replace(/<link rel="stylesheet" href="(.*?)">/g, (_, name) => `<style>\n${page_files[name]}</style>`)
+  .replace("</body>", () => embedded + "</body>")
   .replace(/<script src="(.*?)"><\/script>/g, (_, name) => `<script>\n${page_files[name].replaceAll("</script", "<\\/script")}</script>`);
 await writeFile(path.join(path.dirname(folder), "srbf.html"), one_file);
 
 // The package for scripts, ready to publish.
 const package_folder = path.join(path.dirname(folder), "npm");
 await mkdir(package_folder, { recursive: true });
+const parts = { version, binding: page_files["binding.js"], languages: srbf.code_languages().map((name) => `"${name}"`).join(" | ") };
 for (const name of ["package.json", "srbf.d.ts", "srbf.mjs", "README.md"])
-  await writeFile(path.join(package_folder, name), fill_in(await text(path.join("package", name)), { version, binding: await text("binding.js") }));
+  await writeFile(path.join(package_folder, name), fill_in(await text(path.join("package", name)), parts));
 await copyFile(module_file, path.join(package_folder, "srbf.wasm"));

@@ -17,8 +17,8 @@ const clamp = (x, low, high) => Math.min(Math.max(x, low), high);
 
 // The initial view: azimuth and elevation of the camera and of the first light, the environment's rotation, zoom
 // and which pictures are shown.
-const initial_view = () =>
-  ({ camera: [0, data.elevation], light: angles_of(data.lights[0].towards), turned: environment_azimuth, zoom: 1, shown: initial_pictures() });
+const initial_view = () => ({ camera: [0, data.elevation], light: angles_of(data.lights[0].towards), turned: environment_azimuth, zoom: 1,
+  shown: initial_pictures() });
 // `environment_azimuth`: the initial rotation of the environment. `edit_figure`: the figure that shows edits, or null.
 let view = null, environment_azimuth = 0, edit_figure = null;
 const has_environment = () => controls.environment.value !== "none";
@@ -56,7 +56,8 @@ function new_painter(receive) {
   const draw_on_page = () => ({ send: painting(document.createElement("canvas"), receive), end() {} });
   if (!window.OffscreenCanvas || !window.Worker) return draw_on_page();
   try {
-    const text = `${lighting}\n${painting}\nconst receive = painting(new OffscreenCanvas(1, 1), (message, transfers) => postMessage(message, transfers || []));
+    const text = `${lighting}\n${painting}
+      const receive = painting(new OffscreenCanvas(1, 1), (message, transfers) => postMessage(message, transfers || []));
       onmessage = ({ data }) => receive && receive(data);`;
     const worker = new Worker(URL.createObjectURL(new Blob([text], { type: "text/javascript" })));
     worker.onmessage = ({ data }) => {
@@ -175,7 +176,8 @@ const is_available = (subject) => subject === "difference" ? has_comparison() : 
 // True if there is only a model, without a measurement: then one figure shows it, or its edits.
 const is_lone = () => edit_figure !== null && materials_shown.has("1") && !materials_shown.has("0");
 // True if this choice of pictures remains possible when materials change.
-const can_stay = (shown) => is_available(shown) || shown === "wipe" && has_comparison() || shown === "all" && is_lone() && materials_shown.has(edit_figure);
+const can_stay = (shown) => is_available(shown) || shown === "wipe" && has_comparison() ||
+  shown === "all" && is_lone() && materials_shown.has(edit_figure);
 // A narrow page shows one picture at a time, or two with the wipe.
 function initial_pictures() {
   if (is_lone()) return view && can_stay(view.shown) ? view.shown : "1";
@@ -191,17 +193,19 @@ function show_state() {
   controls.lamps.disabled = !has_environment();
   section.querySelector("[value=environment]").disabled = !has_environment();
   if (!has_environment() && controls.drag.value === "environment") controls.drag.value = "view";
+  const is_offered = { wipe: has_comparison(), all: materials_shown.size >= 2 };
   for (const button of section.querySelectorAll("[data-show]")) {
     const { show } = button.dataset;
     button.setAttribute("aria-pressed", show === shown);
-    button.hidden = show === "wipe" ? !has_comparison() : show === "all" ? materials_shown.size < 2 : !is_available(show);
+    button.hidden = !(is_offered[show] ?? is_available(show));
   }
   // Lays out all figures before the first is drawn, since the size of each depends on the others.
   for (const figure of figures) {
     const { material } = figure.dataset, canvas = figure.querySelector("canvas");
     const is_all = shown === "all" && !(material === "difference" && materials_shown.has(edit_figure)); // edits take its place
     const is_shown = is_available(material) && (wiped ? "01".includes(material) : is_all || shown === material);
-    if (figure.hidden && is_shown && outdated.has(material) && material !== "difference" && latest_canvas && canvas) copy_picture(latest_canvas, canvas);
+    const is_late = figure.hidden && is_shown && outdated.has(material) && material !== "difference";
+    if (is_late && latest_canvas && canvas) copy_picture(latest_canvas, canvas);
     figure.hidden = !is_shown;
   }
 }

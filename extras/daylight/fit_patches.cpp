@@ -121,7 +121,8 @@ class PatchFits {
     /// Fits this size in several rounds and keeps the best fit. A search that does not improve on a smaller size is
     /// repeated with other random numbers.
     Result<Done> fit_size(PmFitOptions options, const Size& size, const ProgressToken& progress) {
-        options.lobes = size.lobes, options.variates = size.variates;
+        options.lobes = size.lobes;
+        options.variates = size.variates;
         std::vector<Rgb> values = means_;
         std::optional<PmModel> initial_lobes;
         for (int round = 0; round < k_max_rounds; ++round) {
@@ -136,11 +137,15 @@ class PatchFits {
             exchange(outcome->model);
             const Evaluate fitted = evaluator(outcome->model);
             const double error = measured_.error_ratio(fitted), previous_error = best_ ? error_ : 2 * error;
-            if (error < previous_error) best_ = *outcome, error_ = error;
+            if (error < previous_error) {
+                best_ = *outcome;
+                error_ = error;
+            }
             if (initial_lobes && !(error < (1 - k_min_gain_of_round) * previous_error)) break;
-            if (error < previous_error)
-                initial_lobes = std::move(lobes), values = expected_values(fitted);
-            else
+            if (error < previous_error) {
+                initial_lobes = std::move(lobes);
+                values = expected_values(fitted);
+            } else
                 ++options.seed;
         }
         return Done{};
@@ -157,7 +162,8 @@ class PatchFits {
     Observations observations_of(const std::vector<Rgb>& values) const {
         Observations observations;
         observations.objective = Objective::cosine;
-        observations.wl = points_.wv, observations.wv = points_.wl,
+        observations.wl = points_.wv;
+        observations.wv = points_.wl;
         observations.f = values;  // exchanged, as in `hemispheres`
         for (std::size_t k = 0; k < values.size(); ++k)
             observations.weight.push_back(points_.weight[k / points_.points] / double(points_.points));

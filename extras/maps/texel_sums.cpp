@@ -95,7 +95,9 @@ HWY_INLINE void normalise(const TexelPairs& pairs, TexelBlock& block, std::size_
         known = known + one;
         one.store(row(block.weight.data(), i) + v);
     }
-    bright.store(block.bright + v), largest.store(block.largest + v), known.store(block.known + v);
+    bright.store(block.bright + v);
+    largest.store(block.largest + v);
+    known.store(block.known + v);
 }
 
 /// Replaces the marks by the weights of the objective, as `weigh` does, of values whose `bright` is 1.
@@ -108,7 +110,8 @@ HWY_INLINE void weigh(const TexelPairs& pairs, TexelBlock& block, std::size_t v)
         Batch sum(0.0), square(0.0);
         for (std::size_t c = 0; c < 3; ++c) {
             const Batch y = value(block, i, c, v);
-            sum = sum + y, square = square + y * y;
+            sum = sum + y;
+            square = square + y * y;
         }
         const Batch f = sum * Batch(1 / 3.0), display_weights = is_known * display_weight(f, bright, cos_l, cos_v),
                     highlight_weights = is_known * highlight_weight(f, bright, cos_l, cos_v);
@@ -132,8 +135,11 @@ HWY_INLINE void weigh(const TexelPairs& pairs, TexelBlock& block, std::size_t v)
 }
 
 void prepare_texels(const TexelPairs& pairs, TexelBlock& block) {
-    for (std::size_t v = 0; v < k_block_texels; v += k_width)
-        mark(pairs, block, v), normalise(pairs, block, v), weigh(pairs, block, v);
+    for (std::size_t v = 0; v < k_block_texels; v += k_width) {
+        mark(pairs, block, v);
+        normalise(pairs, block, v);
+        weigh(pairs, block, v);
+    }
 }
 
 // Columns whose sums are computed together.
@@ -225,8 +231,12 @@ TexelPairs::TexelPairs(const SharedPairs& shared)
       cos_v(pairs),
       cosines(pairs) {
     for (std::size_t i = 0; i < shared.wl.size(); ++i)
-        if (shared.wl[i].z > 0 && shared.wv[i].z > 0)
-            ++above, cos_l[i] = shared.wl[i].z, cos_v[i] = shared.wv[i].z, cosines[i] = cos_l[i] * cos_v[i];
+        if (shared.wl[i].z > 0 && shared.wv[i].z > 0) {
+            ++above;
+            cos_l[i] = shared.wl[i].z;
+            cos_v[i] = shared.wv[i].z;
+            cosines[i] = cos_l[i] * cos_v[i];
+        }
 }
 
 void load_texels(std::span<const Rgb> f, std::size_t count, const TexelPairs& pairs, TexelBlock& block) {

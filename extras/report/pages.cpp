@@ -395,7 +395,10 @@ std::string charts_of(const Tables& tables, const Json& material) {
             const std::string text = fmt::format("{}: {}", field(fit->at("id")), field(fit->at(measure)));
             lobes.points.push_back({j, error, text});
             bytes.points.push_back({size, error, text});
-            if (!is_ggx) min_lobes = std::min(min_lobes, j), max_lobes = std::max(max_lobes, j);
+            if (!is_ggx) {
+                min_lobes = std::min(min_lobes, j);
+                max_lobes = std::max(max_lobes, j);
+            }
         }
         if (lobes.points.empty()) continue;
         legend += key_of(colour, curve.dash, curve.name);
@@ -449,8 +452,10 @@ std::string lobes_of(const Tables& tables, const Json& material, const Study& st
     for (const char* role : k_roles)
         if (picture_of(tables, material, "ball", role))
             legend += key_of(fmt::format("var(--{})", role), "", role_title(role));
-    for (const Json& slice : study.material.at("lobes"))
-        linear += slice["linear"].get<std::string>(), logarithmic += slice["logarithmic"].get<std::string>();
+    for (const Json& slice : study.material.at("lobes")) {
+        linear += slice["linear"].get<std::string>();
+        logarithmic += slice["logarithmic"].get<std::string>();
+    }
     for (const Json& scan : study.material.value("scans", Json::array())) scans += scan.get<std::string>();
     if (!scans.empty())
         scans = "<p>Samples in the plane of incidence (points) and the fits (lines):</p>\n<div class='polar'>" + scans +

@@ -11,7 +11,7 @@ import os
 import struct
 import warnings
 import zlib
-from typing import Any, Callable, Mapping, Optional, Sequence, TypeVar, Union, get_args
+from typing import Any, Callable, Mapping, Optional, Sequence, TypeVar, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -486,7 +486,7 @@ def code(models: Union[Model, Mapping[str, Model]], to: Union[Language, HostMate
     `srbf export` writes it. The functions of a single model are `name`_brdf and so on, or `name`_bsdf and `name`_beam for a BSDF. Several
     models have functions named by their keys, and `name` begins the names that they share."""
     named = {name: models} if isinstance(models, Model) else models
-    language = _options.one_of("to", to, [*get_args(HostMaterial), *code_languages()])
+    language = _options.one_of("to", to, [*_srbf.host_materials(), *code_languages()])
     return _srbf.code([model._native for model in named.values()], list(named), language, _srbf.identifier(name),
                       _options.flag("sampling", sampling), _options.flag("albedo", albedo))
 

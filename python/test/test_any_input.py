@@ -7,19 +7,13 @@ import shutil
 import numpy as np
 import pytest
 import srbf
+from test_srbf import directions
 
 ROOT = pathlib.Path(__file__).parents[2]
-FILES = [path for folder in ("fuzz/corpus", "test/models", "data") for path in sorted((ROOT / folder).rglob("*"), key=lambda path: (path.parent.name == "alta", path))
+FILES = [path for folder in ("fuzz/corpus", "test/models", "data")
+         for path in sorted((ROOT / folder).rglob("*"), key=lambda path: (path.parent.name == "alta", path))
          if path.is_file() and path.stat().st_size < 1_000_000]
-
-
-def directions(n, seed, least=0.05):
-    w = np.random.default_rng(seed).normal(size=(n, 3))
-    w[:, 2] = np.abs(w[:, 2]) + least
-    return (w / np.linalg.norm(w, axis=-1, keepdims=True)).astype(np.float32)
-
-
-WL, WV = directions(5, 0), directions(5, 1)
+WL, WV = directions(5, seed=0), directions(5, seed=1)
 U = np.random.default_rng(2).random((5, 3)).astype(np.float32)
 CALLS = {
     "eval": lambda brdf: brdf.eval(WL, WV),
@@ -106,14 +100,14 @@ def test_file_names_need_not_be_utf8(tmp_path):
 
 @pytest.mark.parametrize("shape", [(7,), (7, 1), (7, 3), ()])
 def test_samples_are_rows(shape):
-    wl, wv, f = directions(7, 0), directions(7, 1), np.full(shape, 0.2)
+    wl, wv, f = directions(7, seed=0), directions(7, seed=1), np.full(shape, 0.2)
     assert srbf.from_arrays(wl, wv, f).nbytes == 7 * 36
 
 
 @pytest.mark.parametrize("shape", [(3, 7), (1, 7), (7, 2), (7, 4), (6,), (7, 1, 3), (7, 7, 3), (6, 3), (3,), (7, 1, 1)])
 def test_samples_of_other_shapes_are_refused(shape):
     with pytest.raises(ValueError, match=rf"f: expected shape \[7, 3\].*\[7\].*found \[{', '.join(map(str, shape))}\]"):
-        srbf.from_arrays(directions(7, 0), directions(7, 1), np.full(shape, 0.2))
+        srbf.from_arrays(directions(7, seed=0), directions(7, seed=1), np.full(shape, 0.2))
 
 
 @pytest.mark.parametrize("change", [lambda f: f.T, lambda f: f[:, 0], lambda f: f[:1], lambda f: f[..., None], lambda f: f[:, :2], lambda f: 0.2])
@@ -129,7 +123,7 @@ def test_anisotropic_samples_give_a_warning(recwarn):
         x, y, z = (w[:, None, k] for k in range(3))
         return np.stack([np.cos(angles) * x - np.sin(angles) * y, np.sin(angles) * x + np.cos(angles) * y, z + 0 * angles], -1)
 
-    wl, wv = rotated(directions(60, 0)), rotated(directions(60, 1))
+    wl, wv = rotated(directions(60, seed=0)), rotated(directions(60, seed=1))
     brushed = 0.1 * (1 + 0.8 * np.cos(2 * np.arctan2(wl[..., 1], wl[..., 0])))
     srbf.from_arrays(wl, wv, 0.1 + 0.3 * wl[..., 2])
     srbf.from_arrays(wl, wv, brushed, isotropic=False)

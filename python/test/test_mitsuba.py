@@ -4,7 +4,7 @@ import pathlib
 import numpy as np
 import pytest
 import srbf
-from test_any_input import directions
+from test_srbf import directions, python_of, run
 
 mi = pytest.importorskip("mitsuba")
 DATA = pathlib.Path(__file__).parents[2] / "data"
@@ -12,9 +12,10 @@ DATA = pathlib.Path(__file__).parents[2] / "data"
 
 def models():
     film, paper = DATA / "cc_ibiza_sunset_rgb.bsdf", DATA / "paper_white_rgb.bsdf"
-    return {"film": srbf.fit(film).model, "as measured": srbf.fit(film, as_measured=True).model, "gaussian": srbf.fit(paper, form="gaussian", lobes=4).model,
-            "general": srbf.fit(film, axial=False, lobes=2, variates=2, objective="cosine").model,
-            "ggx": srbf.fit(film, model="ggx", lobes=2).model, "surface": srbf.fit(film, model="openpbr").model, "paper": srbf.fit(paper, lobes=4).model}
+    fits = {"film": (film, {}), "as measured": (film, {"as_measured": True}), "gaussian": (paper, {"form": "gaussian", "lobes": 4}),
+            "general": (film, {"axial": False, "lobes": 2, "variates": 2, "objective": "cosine"}),
+            "ggx": (film, {"model": "ggx", "lobes": 2}), "surface": (film, {"model": "openpbr"}), "paper": (paper, {"lobes": 4})}
+    return {name: srbf.fit(path, **options).model for name, (path, options) in fits.items()}
 
 
 SCALAR, VECTORISED = "scalar_rgb", "llvm_ad_rgb"
@@ -49,7 +50,7 @@ def all_models(made={}):
 def test_values_and_samples_are_the_librarys(variant, name):
     bsdf, model = mi.load_dict({"type": "srbf", "model": name}), all_models()[name]
     n = 100 if variant.startswith("scalar") else 20_000
-    wi, wo, u = directions(n, 0), directions(n, 1), np.random.default_rng(2).random((n, 3), np.float32)
+    wi, wo, u = directions(n, seed=0), directions(n, seed=1), np.random.default_rng(2).random((n, 3), np.float32)
     context, si = mi.BSDFContext(), mi.SurfaceInteraction3f()
     if variant.startswith("scalar"):
         value, pdf, drawn, density = [], [], [], []
@@ -142,7 +143,7 @@ def test_values_are_differentiable(variant, name):
     bsdf = mi.load_dict({"type": "srbf", "model": name})
     parameters = mi.traverse(bsdf)
     context, si = mi.BSDFContext(), mi.SurfaceInteraction3f()
-    si.wi, wo = mi.Vector3f(directions(500, 3, 0.3).T), mi.Vector3f(directions(500, 4, 0.3).T)
+    si.wi, wo = mi.Vector3f(directions(500, seed=3, least=0.3).T), mi.Vector3f(directions(500, seed=4, least=0.3).T)
 
     def mean(factor, key, start):
         parameters[key] = mi.TensorXf(mi.Float(start.ravel()) + factor * mi.Float(np.abs(start).ravel()), start.shape)
@@ -202,7 +203,6 @@ def test_scalar_variants_are_compiled(variant):
 
 @only(VECTORISED)
 def test_the_code_of_the_page_runs(variant, monkeypatch, tmp_path):
-    from test_srbf import python_of
     (tmp_path / "data").symlink_to(DATA)
     monkeypatch.chdir(tmp_path)
     names = {}
@@ -212,7 +212,6 @@ def test_the_code_of_the_page_runs(variant, monkeypatch, tmp_path):
 
 @only(VECTORISED)
 def test_the_notebook_recovers_the_numbers(variant, monkeypatch, tmp_path):
-    from test_srbf import run
     names = run("refine_in_mitsuba.ipynb", monkeypatch, tmp_path)
     np.testing.assert_allclose(np.array(names["optimiser"]["tint"]).ravel(), names["tint"], rtol=0.1)
     np.testing.assert_allclose(np.array(names["optimiser"]["sharpness"]), names["sharpness"], rtol=0.05)

@@ -3,7 +3,7 @@
 The pages are the exported page and the page of build/site, each before and after a click on a ready material, at the widths of a phone,
 a tablet and a screen. Axe comes with a package of PyPI.
 """
-# needs: site
+# needs: site js:axe_playwright_python
 import importlib.util
 import subprocess
 import tempfile

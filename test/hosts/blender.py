@@ -12,10 +12,10 @@ tables hold closures, and "the formula" is the sum of these closures. Checks:
   - The shader that `--to osl` writes agrees with its formula.
   - Within the noise of paths, that shader is no farther from the measurement than the nodes.
 
-Usage: blender.py PROGRAM DATA [PICTURE], where DATA contains rgl/. The environment variable SRBF_ENVIRONMENTS names environments that are
-tried beside the bundled one, separated by colons. The test needs the packages bpy, openexr and pillow of PyPI, in a Python of bpy's
-version. It is skipped without bpy.
+Usage: blender.py PROGRAM DATA [PICTURE], where DATA contains rgl/. The environment variable SRBF_ENVIRONMENTS names
+environments that are tried beside the bundled one, separated by colons. It also needs bpy of PyPI in a Python of its version.
 """
+# needs: numpy openexr pillow
 import importlib.util
 import math
 import os

@@ -7,6 +7,7 @@ Checks:
 
 Usage: drawn_engine_shaders.py PROGRAM.
 """
+# needs: numpy moderngl
 import importlib.util
 import shutil
 import subprocess

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """Runs the programs of examples/hosts.
 
-Each program draws spheres of the bundled materials under a directional light, by exported code or by a model. The picture must differ from
-that of the model itself by a mean ΔE_ITP of at most 1. A host that is not installed is skipped. The last line counts the hosts that ran.
-Usage: example_hosts.py PROGRAM DATA [PICTURES [NAME..]]. The folder peers/ stands beside DATA, PICTURES is a folder for the pictures, and
-NAME restricts the test to some hosts.
+Each program draws spheres of the bundled materials under a directional light, by exported code or by a model. The picture
+must differ from that of the model itself by a mean ΔE_ITP of at most 1. A host that is not installed is skipped. The last
+line counts the hosts that ran.
+Usage: example_hosts.py PROGRAM DATA [PICTURES [NAME..]]. The folder peers/ stands beside DATA, PICTURES is a folder for the
+pictures, and NAME restricts the test to some hosts.
 """
+# needs: numpy pillow js:pybabylonjs
 import importlib.util
 import re
 import shutil
@@ -21,25 +23,9 @@ from support import lit_sphere
 from support.chromium import WEBGL, program as chromium
 from support.browser_server import WEBGPU, opened, picture as picture_of
 
-(program, data, further), examples = arguments(), ROOT / "examples/hosts"
+(program, data, further), EXAMPLES = arguments(), ROOT / "examples/hosts"
 FILAMENT = "/usr/include/filament-1.9"  # where Debian has its headers
 MATERIALS = {"film": "cc_ibiza_sunset_rgb", "paper": "paper_white_rgb"}
-
-
-WEBPACK = """
-const modules = {}, loaded = {};
-function load(id) {
-    if (!(id in loaded)) modules[id].call((loaded[id] = { exports: {} }).exports, loaded[id], loaded[id].exports, load);
-    return loaded[id].exports;
-}
-load.o = (object, name) => Object.hasOwn(object, name);
-load.d = (exports, getters) => Object.keys(getters).forEach((name) => Object.defineProperty(exports, name, { enumerable: true, configurable: true, get: getters[name] }));
-load.r = (exports) => Object.defineProperty(exports, "__esModule", { value: true });
-load.n = (module) => Object.assign(() => module.default ?? module, { a: module.default ?? module });
-load.g = window;
-self.webpackChunk_tiledb_inc_pybabylonjs = { push: ([, more]) => Object.assign(modules, more) };
-CHUNK
-"""
 
 
 def package_folder(name):
@@ -49,7 +35,7 @@ def package_folder(name):
 
 
 def draw_by_page(flags, files):
-    """Draws with the page of an example in Chromium. Beside the page stand these files of the host, given by name and text."""
+    """Draws with the page of an example in Chromium. Beside the page stand these files of the host: {name: text}."""
     def draw(example, code, picture):
         folder = Path(picture).parent
         shutil.copy(example / "index.html", folder)
@@ -60,16 +46,20 @@ def draw_by_page(flags, files):
     return draw
 
 
-def draw_by_script(example, code, picture, *more):
-    """Draws with the script of an example."""
-    done = subprocess.run([sys.executable, example / "sphere.py", code, picture, *more], capture_output=True, text=True, timeout=600)
+def run(*command, folder=None):
+    """Runs a command. Raises RuntimeError with the end of its output if it fails."""
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=600)
     if done.returncode:
         raise RuntimeError(done.stdout[-2000:] + done.stderr[-2000:])
 
 
+def draw_by_script(example, code, picture, *more):
+    """Draws with the script of an example."""
+    run(sys.executable, example / "sphere.py", code, picture, *more)
+
+
 def draw_by_slang(example, code, picture):
-    """Draws, and compares derivatives with respect to the direction to the light, along the sphere of directions, with differences of
-    values by `srbf eval`."""
+    """Draws, and compares derivatives by the direction to the light with differences of values by `srbf eval`."""
     folder = Path(picture).parent
     draw_by_script(example, code, picture, "cpu", folder / "slopes.npy")
     directions, step = lit_sphere.pairs(), 1e-3
@@ -96,21 +86,17 @@ def draw_by_c(example, code, picture):
 
 def draw_by_filament(example, code, picture):
     """Compiles the material and the program of an example, and draws in a separate display."""
-    folder = Path(picture).parent
-    (folder / "measured.mat").write_text((example / "measured.mat").read_text(encoding="utf-8").replace("CODE", code.read_text(encoding="utf-8")))
+    folder, material = Path(picture).parent, (example / "measured.mat").read_text(encoding="utf-8")
+    (folder / "measured.mat").write_text(material.replace("CODE", code.read_text(encoding="utf-8")))
     libraries = [f"-lfilament{part}" for part in ("", "_geometry", "_utils", "_backend")]
-    for command in (["matc", "--api", "opengl", "--platform", "desktop", "-o", "measured.filamat", "measured.mat"],
-                    ["g++", "-std=c++17", "-O1", f"-I{FILAMENT}", example / "sphere.cpp", "-o", "sphere", *libraries],
-                    ["xvfb-run", "-a", "-s", "-screen 0 640x480x24", "./sphere", "measured.filamat", "picture"]):
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=600)
-        if done.returncode:
-            raise RuntimeError(done.stdout[-2000:] + done.stderr[-2000:])
+    run("matc", "--api", "opengl", "--platform", "desktop", "-o", "measured.filamat", "measured.mat", folder=folder)
+    run("g++", "-std=c++17", "-O1", f"-I{FILAMENT}", example / "sphere.cpp", "-o", "sphere", *libraries, folder=folder)
+    run("xvfb-run", "-a", "-s", "-screen 0 640x480x24", "./sphere", "measured.filamat", "picture", folder=folder)
     np.save(picture, np.fromfile(folder / "picture", np.float32).reshape(lit_sphere.SIZE, lit_sphere.SIZE, 4)[..., :3])
 
 
 def three_files(files):
-    """Returns files of three.js by name from a folder in peers/, which stands beside the measurements. Returns None if a file is
-    missing."""
+    """Returns {name: text} of these files of three.js from a folder in peers/, or None if a file is missing."""
     for folder in data.parent.glob("peers/*"):
         paths = [folder / f"three.{file}.js" for file in files]
         if all(path.exists() for path in paths):
@@ -123,31 +109,42 @@ def babylon_script():
     folder = package_folder("pybabylonjs") or Path(__file__)
     text = "".join(path.read_text(encoding="utf-8") + ";\n"
                    for path in folder.glob("labextension/static/*.js") if path.stat().st_size > 2e5)
-    whole = re.search(r"(\d+):\(\w,(\w),\w\)=>\{\"use strict\";\w\.r\(\2\),\w\.d\(\2,\{AbstractActionManager:", text)
-    return whole and WEBPACK.replace("CHUNK", text) + f"window.BABYLON = load({whole[1]});"
+    module = re.search(r"(\d+):\(\w,(\w),\w\)=>\{\"use strict\";\w\.r\(\2\),\w\.d\(\2,\{AbstractActionManager:", text)
+    webpack = Path(__file__).with_name("webpack.js").read_text(encoding="utf-8")
+    return module and webpack.replace("\nCHUNK\n", f"\n{text}\n") + f"window.BABYLON = load({module[1]});"
+
+
+def export_of(example):
+    """Returns the arguments of `srbf export` that a file of the example states, and the name of the file that it writes.
+    Without such a statement there are no arguments, and the file is the model's."""
+    text = "".join(path.read_text(encoding="utf-8") for path in sorted(example.glob("*.*")))
+    command = re.search(r"`srbf export material\.srbf ([^`]+) -o (material\.\w+)`", text.replace("\n// ", " "))
+    return (command[1].split(), command[2]) if command else ([], "material.srbf")
+
+
+def version_of(script):
+    """Returns the version of the first package that a script needs, or None if a package is missing."""
+    needs = re.search(r"^# needs: (?:numpy1 )?(.+)$", script.read_text(encoding="utf-8"), re.M)[1].split()
+    return version(needs[0]) if all(map(importlib.util.find_spec, needs)) else None
 
 
 def hosts():
-    """Yields each example: its name, the version of the host or None, the export that it needs, and what draws it."""
-    def version_of(distribution, *modules):
-        return version(distribution) if all(map(importlib.util.find_spec, modules or (distribution,))) else None
+    """Yields each example: its name, the version of the host or None, and what draws it."""
     compiler = shutil.which("cc") and subprocess.run(["cc", "--version"], capture_output=True, text=True).stdout.splitlines()[0]
-    yield "c", compiler, ("--to", "c"), ".h", draw_by_c
-    for name, kind, flags, files in (("three_webgl", "three", WEBGL, ("module", "core")),
-                                     ("three_webgpu", "three-webgpu", WEBGPU, ("webgpu", "core", "tsl"))):
+    yield "c", compiler, draw_by_c
+    for name, flags, files in (("three_webgl", WEBGL, ("module", "core")), ("three_webgpu", WEBGPU, ("webgpu", "core", "tsl"))):
         texts = three_files(files)
-        yield name, texts and chromium() and re.search(r"REVISION = '(\w+)'",
-                                                       texts["three.core.js"])[1], ("--to", kind), ".js", draw_by_page(flags, texts)
+        release = texts and chromium() and re.search(r"REVISION = '(\w+)'", texts["three.core.js"])[1]
+        yield name, release, draw_by_page(flags, texts)
     bundle = babylon_script()
-    yield ("babylon", bundle and chromium() and re.search(r'"(7\.\d+\.\d+)"', bundle)[1], ("--to", "glsl"), ".glsl",
-           draw_by_page(WEBGL, {"babylon.js": bundle}))
+    release = bundle and chromium() and re.search(r'"(7\.\d+\.\d+)"', bundle)[1]
+    yield "babylon", release, draw_by_page(WEBGL, {"babylon.js": bundle})
     filament = Path(FILAMENT).exists() and all(map(shutil.which, ("matc", "xvfb-run"))) and subprocess.run(
         ["dpkg-query", "-W", "-f", "${Version}", "libfilament-dev"], capture_output=True, text=True).stdout
-    yield "filament", filament, ("--to", "glsl"), ".glsl", draw_by_filament
-    yield "materialx", version_of("materialx", "MaterialX", "moderngl"), ("--to", "glsl"), ".glsl", draw_by_script
-    yield "slang", version_of("slangpy"), ("--to", "hlsl", "--with", "sampling"), ".hlsl", draw_by_slang
-    yield "radiance", version_of("pyradiance"), ("--to", "radiance"), ".cal", draw_by_script
-    yield "mitsuba", version_of("mitsuba", "mitsuba", "srbf"), None, ".srbf", draw_by_script
+    yield "filament", filament, draw_by_filament
+    for script in sorted(EXAMPLES.glob("*/sphere.py")):
+        name = script.parent.name
+        yield name, version_of(script), draw_by_slang if name == "slang" else draw_by_script
 
 
 ran, rows, names = [], {material: [] for material in MATERIALS}, further[1:]
@@ -158,26 +155,27 @@ with tempfile.TemporaryDirectory() as folder:
         models[material].parent.mkdir()
         subprocess.run([program, "fit", ROOT / f"data/{measurement}.bsdf", "-o", models[material]], check=True, stdout=subprocess.DEVNULL)
         references[material] = lit_sphere.reference(program, models[material], folder)
-    for host, installed, export, ending, draw in hosts():
+    for host, version_of_host, draw in hosts():
         if names and host not in names:
             continue
-        if not installed:
+        if not version_of_host:
             print(f"skipped: {host} is not installed")
             continue
+        export, file_name = export_of(EXAMPLES / host)
         errors = []
         for material, model in models.items():
             work = Path(folder, host, material)
             work.mkdir(parents=True)
-            code, picture = work / ("material" + ending), work / "picture.npy"
+            code, picture = work / file_name, work / "picture.npy"
             if export:
                 subprocess.run([program, "export", model, *export, "-o", code], check=True)
             else:
                 shutil.copy(model, code)
-            draw(examples / host, code, picture)
+            draw(EXAMPLES / host, code, picture)
             rows[material].append(np.load(picture).astype(float))
             errors.append(lit_sphere.picture_error(rows[material][-1], references[material]))
         ran.append(host)
-        text = f"{host} {installed}: " + ", ".join(f"{material} {error:.2f}" for material, error in zip(MATERIALS, errors))
+        text = f"{host} {version_of_host}: " + ", ".join(f"{material} {error:.2f}" for material, error in zip(MATERIALS, errors))
         expect(max(errors) <= lit_sphere.WITHIN, text)
     if further:
         from PIL import Image, ImageDraw

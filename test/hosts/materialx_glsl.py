@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Checks surfaces in the shader that MaterialX generates.
 
-The test fits a surface to measurements, writes it as MaterialX, and draws a sphere by the generated GLSL (ES 3.00) under three distant
-lights, one at a time. The error of this picture against the measurement is at most 30 % larger than the error of the picture by
-`srbf eval`. For a material in LARGEST_RATIOS it is at most that many times as large.
-Usage: materialx_glsl.py PROGRAM DATA, where DATA contains rgl/. The test needs the packages materialx and numpy of PyPI in this Python,
-and Chromium, which runs the shader.
+The test fits a surface to measurements, writes it as MaterialX, and draws a sphere by the generated GLSL (ES 3.00) under
+three distant lights, one at a time. The error of this picture against the measurement is at most 30 % larger than that of
+the picture by `srbf eval`. For a material in LARGEST_RATIOS it is at most that many times as large.
+Usage: materialx_glsl.py PROGRAM DATA, where DATA contains rgl/. Chromium runs the shader.
 """
+# needs: numpy MaterialX
 import base64
 import json
 import tempfile
@@ -62,58 +62,11 @@ def generated(path):
 def drawn(page, source, uniforms):
     """Returns the reflected radiance [lights, SIZE, SIZE, 3] of a sphere seen from far away, for lights of irradiance 1."""
     assert VARYINGS in source
-    source = source.replace(VARYINGS, "vec3 normalWorld, tangentWorld, positionWorld;\n" + UNDECLARED).replace("void main()", "void surface_main()")
-    source += f"""
-void main() {{
-    vec2 p = 2.0 * gl_FragCoord.xy / {SIZE}.0 - 1.0;
-    normalWorld = vec3(p, sqrt(max(1.0 - dot(p, p), 1e-6)));
-    tangentWorld = normalize(vec3(normalWorld.z, 0.0, -normalWorld.x));
-    positionWorld = normalWorld;
-    surface_main();
-}}"""
-    script = f"""(() => {{
-        const gl = Object.assign(document.createElement("canvas"), {{ width: {SIZE}, height: {SIZE} }}).getContext("webgl2");
-        gl.getExtension("EXT_color_buffer_float");
-        const made = (kind, text) => {{
-            const shader = gl.createShader(kind);
-            gl.shaderSource(shader, text); gl.compileShader(shader);
-            if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
-            return shader;
-        }};
-        const all = gl.createProgram();
-        gl.attachShader(all, made(gl.VERTEX_SHADER, `#version 300 es
-            void main() {{ gl_Position = vec4(gl_VertexID == 1 ? 3 : -1, gl_VertexID == 2 ? 3 : -1, 0, 1); }}`));
-        gl.attachShader(all, made(gl.FRAGMENT_SHADER, {json.dumps(source)}));
-        gl.linkProgram(all);
-        if (!gl.getProgramParameter(all, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(all));
-        gl.useProgram(all);
-        const at = (name) => gl.getUniformLocation(all, name);
-        for (const [name, [kind, value]] of Object.entries({json.dumps(uniforms)}))
-            kind == "color3" ? gl.uniform3fv(at(name), value) : kind == "float" ? gl.uniform1f(at(name), value) : gl.uniform1i(at(name), value);
-        gl.uniform3f(at("u_viewPosition"), 0, 0, 1e5);
-        gl.uniform1i(at("u_numActiveLightSources"), 1);
-        gl.uniform1i(at("u_lightData[0].type"), 1);
-        gl.uniform3f(at("u_lightData[0].color"), 1, 1, 1);
-        gl.uniform1f(at("u_lightData[0].intensity"), 1);
-        const target = gl.createTexture();
-        gl.bindTexture(gl.TEXTURE_2D, target);
-        gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, {SIZE}, {SIZE});
-        gl.bindFramebuffer(gl.FRAMEBUFFER, gl.createFramebuffer());
-        gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, target, 0);
-        gl.viewport(0, 0, {SIZE}, {SIZE});
-        const light = (towards) => {{
-            gl.uniform3fv(at("u_lightData[0].direction"), towards.map((x) => -x));
-            gl.drawArrays(gl.TRIANGLES, 0, 3);
-            const pixels = new Float32Array(4 * {SIZE * SIZE});
-            gl.readPixels(0, 0, {SIZE}, {SIZE}, gl.RGBA, gl.FLOAT, pixels);
-            let text = "";
-            for (const byte of new Uint8Array(pixels.buffer)) text += String.fromCharCode(byte);
-            return btoa(text);
-        }};
-        return {json.dumps(LIGHTS.tolist())}.map(light);
-    }})()"""
-    pictures = [np.frombuffer(base64.b64decode(one), np.float32).reshape(SIZE, SIZE, 4)[..., :3] for one in page.run(script)]
-    return np.array(pictures, dtype=float)
+    surface = source.replace(VARYINGS, "vec3 normalWorld, tangentWorld, positionWorld;\n" + UNDECLARED)
+    values = surface.replace("void main()", "void surface_main()"), uniforms, LIGHTS.tolist(), SIZE
+    pictures = page.run(f"draw_sphere({', '.join(map(json.dumps, values))})")
+    numbers = np.frombuffer(b"".join(map(base64.b64decode, pictures)), np.float32)
+    return numbers.reshape(-1, SIZE, SIZE, 4)[..., :3].astype(float)
 
 
 def evaluated(subject, folder):
@@ -149,6 +102,7 @@ if chromium() is None:
     skip("no Chromium")
 page = Chromium(WEBGL)
 try:
+    page.run(Path(__file__).with_suffix(".js").read_text(encoding="utf-8"))
     with tempfile.TemporaryDirectory() as folder:
         for name in MATERIALS:
             measured, model = data / f"rgl/{name}.bsdf", f"{folder}/{name}.srbf"

@@ -7,7 +7,7 @@ is not run says why in the line above it: <!-- not run: ... -->. `data` and `exa
 files that a page takes as its reader's. A page that needs a package of PyPI that is not installed is named, and not run.
 Usage: pages.py PROGRAM DATA [NAME..], of some pages.
 """
-# needs: numpy1
+# needs: numpy1 mitsuba openexr
 import importlib.util
 import os
 import re

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Checks surfaces in Blender's Cycles.
 
-The test fits a surface to measurements and makes Blender's material by the script that `srbf export` writes. Cycles draws a sphere of it
-under one environment, and `srbf render` draws the measurement and the surface. The error of Cycles' picture against the measurement is
-at most 30 % larger than the error of the surface. Where Cycles uses another formula, it is at most LARGEST_RATIOS times as large.
-Usage: principled.py PROGRAM DATA [PICTURE], where DATA contains rgl/. The test needs the packages bpy, openexr and pillow of PyPI, in a
-Python of bpy's version. It is skipped without bpy.
+The test fits a surface to measurements and makes Blender's material by the script that `srbf export` writes. Cycles draws
+a sphere of it under one environment, and `srbf render` draws the measurement and the surface. The error of Cycles' picture
+against the measurement is at most 30 % larger than that of the surface, or LARGEST_RATIOS times as large if Cycles uses
+another formula.
+Usage: principled.py PROGRAM DATA [PICTURE], where DATA contains rgl/. It also needs bpy of PyPI in a Python of its version.
 """
+# needs: numpy openexr pillow
 import importlib.util
 import tempfile
 

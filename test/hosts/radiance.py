@@ -2,9 +2,9 @@
 """Compares our reading of BSDF XML with Radiance and with WINDOW's parser.
 
 The z axis of Radiance points to WINDOW's back, which is -z in our frame. The y axis points up in both programs.
-Usage: radiance.py PROGRAM DATA, where DATA contains klems/ and tensor/. The test needs the packages pyradiance, pywincalc and numpy of PyPI
-in this Python.
+Usage: radiance.py PROGRAM DATA, where DATA contains klems/ and tensor/.
 """
+# needs: numpy pyradiance pywincalc
 import os
 import subprocess
 import sys

@@ -9,6 +9,7 @@ Checks:
 """
 # needs: site
 import hashlib
+import json
 import math
 import re
 import shutil
@@ -24,8 +25,8 @@ from support.chromium import WEBGL, Chromium, program
 srbf = arguments()[0]
 LONGEST_TASK, CANCELLED_WITHIN, MOST_MEMORY = 100, 1, 300 * 2**20  # milliseconds; seconds; bytes of the module
 PATIENCE = 400  # seconds until a fit counts as failed
-SAVED = [("glsl", ".glsl"), ("hlsl", ".hlsl"), ("unity", ".shader"), ("wgsl", ".wgsl"), ("msl", ".metal"), ("c", ".h"), ("three", ".js"),
-         ("table", ".binary"), ("table", ".bsdf"), ("table", ".mbsdf")]
+EXPORTS = [("glsl", ".glsl"), ("hlsl", ".hlsl"), ("unity", ".shader"), ("wgsl", ".wgsl"), ("msl", ".metal"), ("c", ".h"),
+           ("three", ".js"), ("table", ".binary"), ("table", ".bsdf"), ("table", ".mbsdf")]
 NUMBER = re.compile(r"-?\d+\.?\d*(?:e[-+]?\d+)?")
 SLIDERS = ["roughen", "highlight", "highlight_warmth", "body", "body_warmth", "hue", "saturate"]
 LAST_BALL = "#gallery ul:last-of-type li:last-child a"
@@ -43,50 +44,36 @@ class Page:
     def __init__(self, path):
         self.chromium = Chromium(WEBGL)
         self.chromium.size(1280, 800)
-        self.chromium.open(path)
-        # Tasks during which the page does not respond.
-        self.chromium.run("""window.tasks = []; new PerformanceObserver((list) => {
-            for (const e of list.getEntries()) tasks.push(e.duration); }).observe({ type: "longtask", buffered: true })""")
-        self.chromium.run("document.body.append(Object.assign(document.createElement('input'), { type: 'file', id: 'given' }))")
+        self.open(path)
+
+    def open(self, path, fragment=""):
+        self.chromium.open(path, fragment)
+        self.chromium.run(Path(__file__).with_suffix(".js").read_text(encoding="utf-8"))
+
+    def call(self, function, *arguments):
+        """Returns the result of a function of site.js."""
+        return self.chromium.run(f"site.{function}({', '.join(map(json.dumps, arguments))})")
 
     def drop(self, path):
         """Drops the file on the page."""
         document = self.chromium.ask("DOM.getDocument")["root"]["nodeId"]
         node = self.chromium.ask("DOM.querySelector", nodeId=document, selector="#given")["nodeId"]
         self.chromium.ask("DOM.setFileInputFiles", nodeId=node, files=[str(path)])
-        self.chromium.run("""(() => { const given = new DataTransfer(); given.items.add(document.getElementById("given").files[0]);
-            document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: given, bubbles: true, cancelable: true })); })()""")
-
-    def state(self):
-        return self.chromium.run("""(({ file, fitted }, text) => ({ failure: text("failure"), verdict: text("verdict"),
-            working: !document.getElementById("working").hidden, memory: fitted?.memory ?? 0,
-            name: fitted && file.name }))(app.state(), (id) => document.getElementById(id).textContent)""")
+        self.call("drop")
 
     def wait(self, name, done):
         begun = time.time()
         while time.time() - begun < PATIENCE:
-            state = self.state()
+            state = self.call("state")
             if done(state):
                 return state, time.time() - begun
             time.sleep(0.05)
         check(False, f"{name}: nothing after {PATIENCE} s: {state}")
         return state, PATIENCE
 
-    def longest_task(self):
-        """Returns the length of the longest task since the last call [ms]."""
-        return self.chromium.run("Math.max(0, ...tasks.splice(0))")
-
     def model(self):
         """Returns the bytes of the model's file."""
-        content = "async (content) => [...new Uint8Array(await content.arrayBuffer())]"
-        return bytes(self.chromium.run(f"app.save_as('srbf', '').then({content})"))
-
-    def saved(self, what, name):
-        """Returns the hash of the file that the page would save, or the error."""
-        return self.chromium.run(f"""app.save_as({what!r}, {name!r}).then(async (content) => {{
-            const digest = await crypto.subtle.digest("SHA-256", await content.arrayBuffer());
-            return [...new Uint8Array(digest)].map((x) => x.toString(16).padStart(2, "0")).join("");
-        }}, (error) => "error " + error.message)""")
+        return bytes(self.call("saved_bytes", "srbf", ""))
 
 
 def hash_of(path):
@@ -100,9 +87,9 @@ def compare_file(page, file, folder):
     # The verdict on a first draft or, for both sides, on the last fit.
     _, seen = page.wait(file.name, lambda state: state["failure"] or state["verdict"])
     state, seconds = page.wait(file.name, lambda state: state["failure"] or state["name"] == file.name)
-    longest = page.longest_task()
-    print(f"  {file.name}: the first fit is shown after {seen:.1f} s and the last after {seen + seconds:.1f} s, {state['memory'] / 2**20:.0f} MB, at most {longest} ms without an answer: "
-          f"{state['failure'] or state['verdict']}")
+    longest = page.call("longest_task")
+    print(f"  {file.name}: the first fit is shown after {seen:.1f} s and the last after {seen + seconds:.1f} s, "
+          f"{state['memory'] / 2**20:.0f} MB, at most {longest} ms without an answer: {state['failure'] or state['verdict']}")
     check(longest <= LONGEST_TASK, f"{file.name}: the page does not answer for {longest} ms")
     check(not state["failure"], f"{file.name} is refused: {state['failure']}")
     check(state["memory"] <= MOST_MEMORY, f"{file.name} takes {state['memory']} bytes")
@@ -114,10 +101,10 @@ def compare_file(page, file, folder):
     check(result.returncode == 0, result.stderr)
     check(hash_of(model) == hash_of(expected), f"{model.name} is not what the program writes")
     # The other exports are compared with the program's exports of the page's model.
-    for what, ending in SAVED:
+    for export, ending in EXPORTS:
         name = file.stem + ending
-        ours, path = page.saved(what, name), folder / name
-        result = run("convert", model, "-o", path) if what == "table" else run("export", model, "--to", what, "-o", path)
+        ours, path = page.call("saved_hash", export, name), folder / name
+        result = run("convert", model, "-o", path) if export == "table" else run("export", model, "--to", export, "-o", path)
         if result.returncode != 0:
             check(ours.startswith("error "), f"{name}: the program refuses it: {result.stderr.strip()}")
         elif ending in (".binary", ".bsdf", ".mbsdf", ".js", ".shader") and ours != hash_of(path):
@@ -128,8 +115,8 @@ def compare_file(page, file, folder):
 
 
 def check_blender_script(page, subject, folder):
-    """Checks that the script for Blender is what the program writes for this subject. Fitted numbers are of the order of 1, and may differ
-    a little."""
+    """Checks that the script for Blender is what the program writes for this subject. Fitted numbers are of the order of
+    1, and may differ a little."""
     begun = time.time()
     ours = page.chromium.run("app.save_as('blender', '').then((content) => content.text())")
     seconds, path = time.time() - begun, folder / "program.py"
@@ -137,18 +124,16 @@ def check_blender_script(page, subject, folder):
     check(result.returncode == 0, result.stderr)
     texts = [ours, path.read_text(encoding="utf-8")]
     numbers = [[float(number) for number in NUMBER.findall(text)] for text in texts]
-    same = NUMBER.sub("#", texts[0]) == NUMBER.sub("#", texts[1]) and all(math.isclose(a, b, abs_tol=0.01) for a, b in zip(*numbers))
-    check(same, f"the script for Blender is not that of {subject.name}")
-    print(f"  {subject.name}: the script for Blender is written after {seconds:.1f} s, {'with the bytes' if texts[0] == texts[1] else 'nearly with the bytes'} of the program's")
+    agrees = all(math.isclose(a, b, abs_tol=0.01) for a, b in zip(*numbers))
+    check(agrees and NUMBER.sub("#", texts[0]) == NUMBER.sub("#", texts[1]), f"the script for Blender is not that of {subject.name}")
+    print(f"  {subject.name}: the script for Blender is written after {seconds:.1f} s, "
+          f"{'' if texts[0] == texts[1] else 'nearly '}with the bytes of the program's")
 
 
 def check_one_screen(page, material, others=""):
-    """Checks that all sliders, the buttons that save, and these other elements are on the screen with the whole picture of this
-    material."""
-    low, high = page.chromium.run(f"""(() => {{ document.getElementById("edit_roughen").scrollIntoView({{ block: "center" }});
-        const boxes = [...document.querySelectorAll("#editing input, #saving .main, figure[data-material='{material}'] canvas{others}")].map((e) => e.getBoundingClientRect());
-        return [Math.min(...boxes.map((box) => box.top)), Math.max(...boxes.map((box) => box.bottom))]; }})()""")
-    check(high - low <= 800, f"sliders, buttons and picture take {high - low:.0f} pixels")
+    """Checks that sliders, buttons that save, and these other elements fit on the screen with the picture of this material."""
+    top, bottom = page.call("extent", material, others)
+    check(bottom - top <= 800, f"sliders, buttons and picture take {bottom - top:.0f} pixels")
 
 
 def check_gallery(page, folder):
@@ -196,29 +181,8 @@ def click_ball(page, ball):
     page.wait(name, lambda state: state["name"] == name)
 
 
-def set_control(page, name, value):
-    """Sets a light or a shape of the pictures, a slider of the edits, or the number of lobes."""
-    page.chromium.run(f"""(() => {{ const input = document.querySelector(".controls").elements[{name!r}] ?? document.querySelector("#edit_{name}, #{name}"); input.value = {value!r};
-        for (const kind of ["input", "change"]) input.dispatchEvent(new Event(kind, {{ bubbles: true }})); }})()""")
-
-
-def pixels(page, material):
-    """Returns the brightness of pixels in the middle of a picture, and whether all of them were drawn."""
-    return page.chromium.run(f"""(() => {{ const numbers = [], copy = Object.assign(document.createElement("canvas"), {{ width: 80, height: 60 }}).getContext("2d");
-        copy.drawImage(document.querySelector("figure[data-material='{material}'] canvas"), 0, 0, 80, 60);
-        const bytes = copy.getImageData(25, 15, 30, 30).data;
-        for (let i = 0; i < bytes.length; i += 4) numbers.push((bytes[i] + bytes[i + 1] + bytes[i + 2]) / 765);
-        return [numbers, bytes.every((x, i) => i % 4 < 3 || x === 255)]; }})()""")
-
-
-mean = lambda numbers: sum(numbers) / len(numbers)
-difference = lambda a, b: mean([abs(x - y) for x, y in zip(a, b)])
-
-
-# Returns what an edit may lose or move: material, sliders, address, and the places of pictures, sliders and buttons.
-WORK = """(() => { const boxes = [...document.querySelectorAll("figure:not([hidden]) canvas, #editing input, #saving .main")].map((e) => e.getBoundingClientRect());
-    return { address: location.hash, name: app.state().file.name, edited: app.state().edited?.bytes, hue: document.getElementById("edit_hue").value,
-        boxes: boxes.map((box) => [box.x, box.y - boxes[0].y, box.width, box.height].map(Math.round)) }; })()"""
+def mean_difference(a, b):
+    return sum(abs(x - y) for x, y in zip(a, b)) / len(a)
 
 
 def check_layout(page):
@@ -226,20 +190,21 @@ def check_layout(page):
     chromium = page.chromium
     for width in (1440, 768, 360):
         chromium.size(width, 900)
-        chromium.open(ROOT / "build/site/index.html", "#satin_blue_stand_in")
+        page.open(ROOT / "build/site/index.html", "#satin_blue_stand_in")
         page.wait("a ball", lambda state: chromium.run("!document.getElementById('editing').hidden"))
         page.wait("a picture", lambda state: chromium.run("viewer.settled().then(() => viewer.scene(1).samples >= 16)"))
-        calm, before = pixels(page, 1)[0], chromium.run(WORK)["boxes"]
+        calm, before = page.call("pixels", "1")[0], page.call("edited_state")["boxes"]
         name = chromium.run("document.querySelector('figure:not([hidden]) figcaption').textContent")
         check(name == "White satin with blue highlights", f"a lone ball has the name {name!r}")
         for hue in (60, 0, 60):
-            set_control(page, "hue", hue)
+            page.call("set_control", "hue", hue)
             chromium.settle()
-            now, is_drawn = pixels(page, chromium.run("document.querySelector('figure:not([hidden])').dataset.material"))
-            check(is_drawn and difference(now, calm) < 0.1, f"{width} pixels wide, hue {hue}: no picture, or noise")
-            page.wait("an edit",
-                      lambda state: chromium.run(f"app.state().busy === 0 && (app.state().edited !== null) === {'true' if hue else 'false'}"))
-            check(chromium.run(WORK)["boxes"] == before, f"{width} pixels wide, hue {hue}: sliders, buttons or pictures move")
+            material = chromium.run("document.querySelector('figure:not([hidden])').dataset.material")
+            now, is_drawn = page.call("pixels", material)
+            check(is_drawn and mean_difference(now, calm) < 0.1, f"{width} pixels wide, hue {hue}: no picture, or noise")
+            is_edited = f"(app.state().edited !== null) === {json.dumps(hue != 0)}"
+            page.wait("an edit", lambda state: chromium.run(f"app.state().busy === 0 && {is_edited}"))
+            check(page.call("edited_state")["boxes"] == before, f"{width} pixels wide, hue {hue}: sliders, buttons or pictures move")
 
 
 def check_damaged_files(page, folder):
@@ -254,9 +219,9 @@ def check_damaged_files(page, folder):
     kinds = {"empty.bsdf": "an empty file", "picture.png": "a PNG picture", "report.json": "a JSON file"}
     chromium = page.chromium
     click_ball(page, LAST_BALL)
-    set_control(page, "hue", 90)
+    page.call("set_control", "hue", 90)
     page.wait("the edit", lambda state: chromium.run("app.state().edited !== null && app.state().busy === 0"))
-    work = chromium.run(WORK)
+    before = page.call("edited_state")
     for name, content in contents.items():
         file = folder / name
         file.write_bytes(content)
@@ -267,7 +232,7 @@ def check_damaged_files(page, folder):
             message = f"{name}: this is {kinds.get(name, 'a file of another kind')}; drop a measurement, a model or an .hdr"
         message = re.sub(", or one of them as .* in --columns", "", message)  # the page has no options
         check(name == "cut.hdr" or state["failure"] == message, f"{name}: the page says {state['failure']!r}, not {message!r}")
-        check(chromium.run(WORK) == work, f"{name}: it takes away what was there")
+        check(page.call("edited_state") == before, f"{name}: it takes away what was there")
         check("\n" not in state["failure"] and len(state["failure"]) < 500, f"{name}: not one line")
     print(f"  {len(contents)} damaged files are refused in one line each, such as: {state['failure']}")
 
@@ -286,9 +251,11 @@ def check_cancelled_save(page):
     """Checks that a save can be cancelled, and that the edited model remains."""
     chromium = page.chromium
     click_ball(page, LAST_BALL)
-    set_control(page, "hue", 90)
+    page.call("set_control", "hue", 90)
     page.wait("the edit", lambda state: chromium.run("app.state().edited !== null"))
-    heading = lambda: chromium.run("document.getElementById('name').textContent")
+
+    def heading():
+        return chromium.run("document.getElementById('name').textContent")
     check(heading().startswith("Edited: made from "), f"the edited ball has the name {heading()!r}")
     before = page.model()
     chromium.click("[data-save=blender]")
@@ -309,7 +276,7 @@ def check_replaced_file(page):
     time.sleep(2)
     page.drop(ROOT / "data/paper_white_rgb.bsdf")
     page.wait("the second", lambda state: state["name"] == "paper_white_rgb.bsdf")
-    set_control(page, "lobes", 4)
+    page.call("set_control", "lobes", 4)
     page.wait("fewer lobes", lambda state: page.chromium.run("app.state().fitted.bytes") == 100 and not state["working"])
     check(page.chromium.run("app.state().file.name") == "paper_white_rgb.bsdf", "the second file does not replace the first")
 
@@ -320,7 +287,9 @@ def check_edits(page, folder):
     page.drop(film)
     page.wait("the film", lambda state: state["name"] == film.name and not state["working"])
     fitted = page.model()
-    status = lambda: chromium.run("document.getElementById('edit_status').textContent")
+
+    def status():
+        return chromium.run("document.getElementById('edit_status').textContent")
     chromium.ask("Page.setDownloadBehavior", behavior="allow", downloadPath=str(folder))
     for slider in SLIDERS:
         chromium.drag(f"#edit_{slider}", 25, 0)
@@ -368,20 +337,20 @@ with tempfile.TemporaryDirectory() as name:
     check_gallery(page, Path(name))
 close_page(page)
 page = Page(ROOT / "build/site/index.html")
-there = page.chromium.run("Math.round(performance.timing.loadEventEnd - performance.timing.navigationStart)")
-print(f"  the page is shown after {there} ms")
+loaded_ms = page.chromium.run("Math.round(performance.timing.loadEventEnd - performance.timing.navigationStart)")
+print(f"  the page is shown after {loaded_ms} ms")
 with tempfile.TemporaryDirectory() as name:
     for file in (film, film.with_suffix(".csv")):
         compare_file(page, file, Path(name))
         time.sleep(1)
-        page.longest_task()  # checking a saved file takes longer than saving it
+        page.call("longest_task")  # checking a saved file takes longer than saving it
     check_edits(page, Path(name))
     check_gallery(page, Path(name))
     check_damaged_files(page, Path(name))
     check_cancelled_fit(page)
     check_cancelled_save(page)
     check_replaced_file(page)
-longest = page.longest_task()
+longest = page.call("longest_task")
 check(longest <= LONGEST_TASK, f"the page does not answer for {longest} ms")
 close_page(page)
 page = Page(ROOT / "build/site/index.html")

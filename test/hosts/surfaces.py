@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Checks files of surfaces in MaterialX and USD.
 
-The test fits a surface to a measurement and writes it for each program. The validators of MaterialX and USD must accept the files.
-Usage: surfaces.py PROGRAM DATA, where DATA contains rgl/. The test needs the packages materialx and usd-core of PyPI in this Python.
+The test fits a surface to a measurement and writes it for each program. Its validator must accept the file.
+Usage: surfaces.py PROGRAM DATA, where DATA contains rgl/.
 """
+# needs: MaterialX usd-core
 import tempfile
 
 import MaterialX as mx

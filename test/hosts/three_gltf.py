@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """Checks surfaces as glTF in three.js.
 
-The test fits a surface to measurements and writes it as binary glTF. three.js (MeshPhysicalMaterial) draws a sphere of it under three
-distant lights, and in an environment that three.js filters beforehand; `srbf render` draws the measurement and the surface. The error of
-three.js against the measurement is at most 30 % larger than the error of the surface. Where three.js uses another formula, it is at most
-LARGEST_RATIOS times as large.
-Usage: three_gltf.py PROGRAM DATA [PICTURE], where DATA contains rgl/. The test needs Chromium, and the packages numpy, openexr and nicegui
-of PyPI in this Python. nicegui contains three.js with its GLTFLoader; without its files the test is skipped.
+The test fits a surface to measurements and writes it as binary glTF. three.js (MeshPhysicalMaterial) draws a sphere of it
+under three distant lights, and in an environment that three.js filters beforehand; `srbf render` draws the measurement and
+the surface. The error of three.js against the measurement is at most 30 % larger than that of the surface, or
+LARGEST_RATIOS times as large if three.js uses another formula.
+Usage: three_gltf.py PROGRAM DATA [PICTURE], where DATA contains rgl/. It needs Chromium. nicegui contains three.js.
 """
+# needs: numpy openexr pillow js:nicegui
 import base64
 import importlib.util
 import math
@@ -36,45 +36,6 @@ THREE = ("--env", "none", "--lights", "three")
 LIGHTS = [((-6 / 11, 6 / 11, 7 / 11), 3), ((6 / 7, 2 / 7, -3 / 7), 2), ((1 / 3, -2 / 3, 2 / 3), 0.5)]  # in the camera's frame
 
 
-PAGE = """<!doctype html><script type="module">
-import { THREE, GLTFLoader } from "./three.js";
-const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-const renderer = new THREE.WebGLRenderer();
-renderer.toneMapping = THREE.NoToneMapping;
-window.draw = async (glb, size, eye, field, lights, light, width, height) => {
-    const gltf = await new GLTFLoader().parseAsync(bytes(glb).buffer, "");
-    const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera(field, 1, 0.1, 100);
-    scene.add(gltf.scene);
-    camera.position.set(...eye);
-    camera.lookAt(0, 0, 0);
-    camera.updateMatrixWorld();
-    for (const [towards, irradiance] of lights) {
-        const lamp = new THREE.DirectionalLight(0xffffff, irradiance);
-        lamp.position.set(...towards).transformDirection(camera.matrixWorld);
-        scene.add(lamp);
-    }
-    if (light) {
-        const texels = new THREE.DataTexture(new Float32Array(bytes(light).buffer), width, height, THREE.RGBAFormat, THREE.FloatType);
-        texels.mapping = THREE.EquirectangularReflectionMapping;
-        texels.minFilter = texels.magFilter = THREE.LinearFilter;
-        texels.flipY = false;
-        texels.needsUpdate = true;
-        scene.environment = new THREE.PMREMGenerator(renderer).fromEquirectangular(texels).texture;
-        scene.environmentRotation.y = Math.PI / 2;  // the middle of the picture lies behind the sphere
-    }
-    const target = new THREE.WebGLRenderTarget(size, size, { type: THREE.FloatType, colorSpace: THREE.LinearSRGBColorSpace, samples: 0 });
-    renderer.setRenderTarget(target);
-    renderer.render(scene, camera);
-    const pixels = new Float32Array(4 * size * size);
-    renderer.readRenderTargetPixels(target, 0, 0, size, size, pixels);
-    let text = "";
-    for (const byte of new Uint8Array(pixels.buffer)) text += String.fromCharCode(byte);
-    return btoa(text);
-};
-window.revision = THREE.REVISION;
-</script>"""
-
-
 def drawn(page, glb, lights, texels):
     eye = [0, DISTANCE * math.sin(ELEVATION), DISTANCE * math.cos(ELEVATION)]
     light, width, height = "null", 0, 0
@@ -94,7 +55,7 @@ with tempfile.TemporaryDirectory() as folder:
     shutil.copy(found / "index.js", folder + "/three.js")
     for more in found.glob("*.js"):
         shutil.copy(more, folder)
-    Path(folder, "page.html").write_text(PAGE, encoding="utf-8")
+    shutil.copy(Path(__file__).with_suffix(".html"), folder + "/page.html")
     page = Chromium([*WEBGL, "--allow-file-access-from-files"])
     try:
         page.open(folder + "/page.html")

@@ -11,9 +11,9 @@ Both draw spheres of the film and the paper. Checks:
   - A material that is saved and loaded draws the same picture.
 
 The test prints the processor time of frames of 256 x 256 pixels, which other programs on the machine hardly change.
-Usage: three_webgpu.py PROGRAM DATA, with the files of three.js in peers/ beside DATA. The test needs the packages numpy and openexr of
-PyPI. It is skipped if one of these is missing.
+Usage: three_webgpu.py PROGRAM DATA, with the files of three.js in peers/ beside DATA. It is skipped without them.
 """
+# needs: numpy openexr
 import importlib.util
 import json
 import math
@@ -34,56 +34,6 @@ RENDERERS = {"WebGLRenderer": ("three", SWIFTSHADER, ("module", "core"), {"three
 ENVIRONMENTS = {"studio": 8, "lobby": 3, "sunset": 3}  # and the ΔE_ITP against path tracing
 LIGHTS = {"lamps": 0.01, "rectangle": 2, "ambient": 0.01}  # and the ΔE_ITP between the renderers; their lobes differ
 OTHERS = {"cube": 1, "map": 30}  # textures that hold the studio, and how far pictures may be from those by the equirectangular one
-PAGE = """<!doctype html><script type="importmap">{ "imports": IMPORTS }</script><script type="module">
-import * as THREE from 'LIBRARY';
-import { MaterialMaterial, OtherMaterial } from './material.js';
-const gpu = 'LIBRARY' !== 'three', renderer = gpu ? new THREE.WebGPURenderer() : new THREE.WebGLRenderer();
-const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera(FIELD, 1, 0.1, 100), environments = {};
-camera.position.set(...EYE), camera.lookAt(0, 0, 0);
-const standard = gpu ? THREE.MeshStandardNodeMaterial : THREE.MeshStandardMaterial, materials = { ours: new MaterialMaterial(), other: new OtherMaterial(), standard: new standard() };
-const ball = new THREE.Mesh(new THREE.SphereGeometry(1, 192, 96));
-for (const name of ENVIRONMENTS) {
-    const { rows, width, height } = await (await fetch(`${name}.json`)).json();
-    const texels = new Float32Array(Uint8Array.from(atob(rows), (c) => c.charCodeAt(0)).buffer);
-    environments[name] = new THREE.DataTexture(texels, width, height, THREE.RGBAFormat, THREE.FloatType, THREE.EquirectangularReflectionMapping);
-    environments[name].minFilter = environments[name].magFilter = THREE.LinearFilter, environments[name].needsUpdate = true;
-}
-if (gpu) {  // The tables are three's own for its materials, and not read here.
-    const none = new THREE.DataTexture(new Float32Array(4), 1, 1, THREE.RGBAFormat, THREE.FloatType);
-    THREE.RectAreaLightNode.setLTC({ LTC_FLOAT_1: none, LTC_FLOAT_2: none, LTC_HALF_1: none, LTC_HALF_2: none });
-    await renderer.init();
-}
-const { studio } = environments;
-if (gpu) {
-    environments.cube = new THREE.CubeRenderTarget(512, { type: THREE.HalfFloatType }).fromEquirectangularTexture(renderer, studio).texture;
-    environments.map = new THREE.PMREMGenerator(renderer).fromEquirectangular(studio).texture;
-}
-const lights = { ambient: [new THREE.AmbientLight('white', 1)], rectangle: [new THREE.RectAreaLight('white', 5, 1, 1)], 
-    lamps: [[-2, 2, 3], [2, 2, 3], [0, -1, 2], [1, 3, -1]].map((at) => { const lamp = new THREE.DirectionalLight('white', 2); lamp.position.set(...at); return lamp; }) };
-lights.rectangle[0].position.set(-1, 2, 3), lights.rectangle[0].lookAt(0, 0, 0);
-const target = new (gpu ? THREE.RenderTarget : THREE.WebGLRenderTarget)(SIZE, SIZE, { type: THREE.FloatType });
-window.drawn = async (material, light) => {
-    scene.clear(), scene.add(ball, ...lights[light] ?? []), ball.material = materials[material];
-    scene.environment = environments[light] ?? null, scene.environmentRotation.y = Math.PI / 2;  // its middle lies behind the sphere
-    renderer.setRenderTarget(target);
-    renderer.render(scene, camera);
-    let pixels = new Float32Array(4 * SIZE * SIZE);
-    if (!gpu) return renderer.readRenderTargetPixels(target, 0, 0, SIZE, SIZE, pixels), pixels;
-    pixels = await renderer.readRenderTargetPixelsAsync(target, 0, 0, SIZE, SIZE);
-    return Float32Array.from(pixels, (_, i) => pixels[4 * SIZE * (SIZE - 1 - Math.floor(i / 4 / SIZE)) + i % (4 * SIZE)]);  // from below
-};
-window.frames = async (material, light, count) => {
-    target.setSize(256, 256);
-    for (let i = 0; i < count; ++i) await drawn(material, light);
-    target.setSize(SIZE, SIZE);
-};
-window.loaded = () => {
-    const loader = gpu ? new THREE.NodeObjectLoader().setNodeMaterials({ MaterialMaterial }) : new THREE.ObjectLoader();
-    ball.material = new MaterialMaterial({ color: 'orange', saturation: 0.5 });
-    materials.saved = ball.material, materials.loaded = loader.parse(ball.toJSON()).material;
-};
-window.isReady = true;
-</script>"""
 _, data, _ = arguments()
 
 
@@ -144,7 +94,7 @@ with tempfile.TemporaryDirectory() as name:
             texts = {"ENVIRONMENTS": json.dumps(list(ENVIRONMENTS)), "IMPORTS": json.dumps(imports), "LIBRARY": next(iter(imports)),
                      "FIELD": str(math.degrees(FIELD)), "SIZE": str(SIZE),
                      "EYE": str([0, DISTANCE * math.sin(ELEVATION), DISTANCE * math.cos(ELEVATION)])}
-            page = PAGE
+            page = Path(__file__).with_suffix(".html").read_text(encoding="utf-8")
             for word, text in texts.items():
                 page = page.replace(word, text)
             (site / "index.html").write_text(page)

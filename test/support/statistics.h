@@ -37,13 +37,19 @@ inline double upper_gamma_ratio(double a, double x) {
 inline double chi2_p_value(std::span<const double> observed, std::span<const double> expected) {
     double chi2 = 0, few_observed = 0, few_expected = 0, total_observed = 0, total_expected = 0;
     int bins = 0;
-    const auto add = [&](double o, double e) { chi2 += (o - e) * (o - e) / e, ++bins; };
+    const auto add = [&](double o, double e) {
+        chi2 += (o - e) * (o - e) / e;
+        ++bins;
+    };
     for (std::size_t i = 0; i < observed.size(); ++i) {
-        total_observed += observed[i], total_expected += expected[i];
+        total_observed += observed[i];
+        total_expected += expected[i];
         if (expected[i] >= 5)
             add(observed[i], expected[i]);
-        else
-            few_observed += observed[i], few_expected += expected[i];
+        else {
+            few_observed += observed[i];
+            few_expected += expected[i];
+        }
     }
     if (few_expected > 0 || few_observed > 0) add(few_observed, std::max(few_expected, 1.0));
     if (!(std::abs(total_observed - total_expected) <= 0.5 * std::sqrt(total_observed)) || bins < 2) return 0;

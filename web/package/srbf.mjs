@@ -20,7 +20,9 @@ function brdf(srbf, { number, model, ...rest }) {
     blender: () => srbf.blender(number),
     close: () => srbf.close(number),
   };
-  return model === false ? common : { ...common, file: () => srbf.model_file(number), code: (language, options = {}) => srbf.code(number, language, options), ...rest };
+  if (model === false) return common;
+  const code = (language, options = {}) => srbf.code(number, language, options);
+  return { ...common, file: () => srbf.model_file(number), code, ...rest };
 }
 
 export async function open(bytes, name = "measurement") {

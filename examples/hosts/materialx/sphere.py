@@ -4,6 +4,7 @@
 Needs materialx, moderngl and numpy of PyPI, and OpenGL. The GLSL is written by
 `srbf export material.srbf --to glsl -o material.glsl`.
 """
+# needs: MaterialX moderngl
 import shutil
 import sys
 import tempfile

@@ -3,6 +3,7 @@
 
 Needs mitsuba and numpy of PyPI, and the Python package srbf.
 """
+# needs: numpy1 mitsuba srbf
 import sys
 
 import mitsuba as mi

@@ -4,6 +4,7 @@
 Needs pyradiance, which has Radiance's programs, and numpy of PyPI. The functions are written by
 `srbf export material.srbf --to radiance -o material.cal`.
 """
+# needs: pyradiance
 import subprocess
 import sys
 import tempfile

@@ -4,6 +4,7 @@
 Needs slangpy and numpy of PyPI. DEVICE is one of slangpy's, cpu by default, which needs a C++ compiler. SLOPES are the
 derivatives by the direction to the light, by automatic differentiation. brdf.slang says how the HLSL is written.
 """
+# needs: slangpy
 import re
 import sys
 from pathlib import Path

@@ -84,7 +84,8 @@ Result<TexelTotals> write_in_parts(const std::string& path, const MapInParts& ma
 /// A map of the lobes of `fitted`, without texels.
 TexelMap lobes_of(const TexelMap& fitted, std::size_t width) {
     TexelMap map;
-    map.basis = fitted.basis, map.width = width;
+    map.basis = fitted.basis;
+    map.width = width;
     map.provenance = {{"generator", "srbf " SRBF_VERSION}, {"objective", "appearance"}};
     return map;
 }

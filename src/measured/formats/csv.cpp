@@ -82,7 +82,9 @@ Preamble read_preamble(std::string_view text, bool has_names) {
     Lines lines(text);
     Preamble preamble{{}, k_any_separator, 0, lines, {}};
     const auto set_header = [&](std::string_view header, char separator) {
-        preamble.header = header, preamble.separator = separator, preamble.line = lines.number();
+        preamble.header = header;
+        preamble.separator = separator;
+        preamble.line = lines.number();
     };
     int metadata = 0;
     for (auto line = lines.next(); line; preamble.rows = lines, line = lines.next()) {

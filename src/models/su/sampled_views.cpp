@@ -46,7 +46,9 @@ void SampledViews::find_typical() {
         for (std::size_t i = 0; i < count(); ++i) {
             if (!within(direction(view)) || !within(direction(i)) || !is_finite(f(view, i))) continue;
             const auto [l, v] = pair(view, direction(i));
-            wl.push_back(l), wv.push_back(v), values.push_back(f(view, i));
+            wl.push_back(l);
+            wv.push_back(v);
+            values.push_back(f(view, i));
         }
     typical_ = typical_value(objective_, wl, wv, values, std::vector<double>(values.size(), 1.0));
     if (!(typical_ > 0)) typical_ = 1;  // all these views are black

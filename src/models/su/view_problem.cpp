@@ -27,7 +27,9 @@ ViewProblem::ViewProblem(int lobes) : lobes_(lobes), frame_(std::size_t(lobes)),
 Eigen::VectorXd ViewProblem::start(const ViewRows& view, std::span<const ViewLobe> lobes) {
     view_ = &view;
     const std::size_t column = blocks() * k_block, lobe_columns = column * std::size_t(lobes_);
-    exponent_.resize(lobe_columns), value_.resize(lobe_columns), derivative_.resize(lobe_columns * k_variables);
+    exponent_.resize(lobe_columns);
+    value_.resize(lobe_columns);
+    derivative_.resize(lobe_columns * k_variables);
     residual_.resize(column * 3);
     coefficients_ = {Eigen::MatrixXd(lobes_, 3), {}, {}};
     Eigen::VectorXd x = Eigen::VectorXd::Zero(k_variables * lobes_);

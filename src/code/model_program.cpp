@@ -325,7 +325,7 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
         added.albedo_node.empty() ? albedo_node_text(model, storage, has_albedo, program) : added.albedo_node;
     mixture_text += albedo_text(options.language);
     if (added.text) mixture_text += added.text(model, storage == ParameterStorage::arguments, program, defines);
-    syntax::parse(model_text.handle + model_text.accessors, program, defines, true);
+    syntax::parse(model_text.handle + model_text.accessors, program, defines, syntax::FunctionKind::accessor);
     syntax::parse(k_common_text + model_text.kernel + model_text.brdf, program, defines);
     if (needs_mixture) syntax::parse(mixture_text, program, defines);
     if (options.language == CodeLanguage::c && storage == ParameterStorage::constants) {

@@ -76,6 +76,13 @@ template <typename T> std::string preset(const T& value) { return fmt::format("{
 const FitRequest k_request{};
 const SuRequest k_su{};
 
+/// Requests the model R if it has this name.
+template <typename R> bool request_if_named(FitRequest& request, Text name) {
+    const bool is_named = R::k_name == name;
+    if (is_named) request.model = R();
+    return is_named;
+}
+
 FitOptionRow model() {
     return []<typename... R>(std::type_identity<std::variant<R...>>) {
         std::string about = fmt::format("{}", fmt::join({fmt::format("{}: {}", R::k_name, R::k_about)...}, ";\n"));
@@ -86,7 +93,7 @@ FitOptionRow model() {
                     [](FitRequest& r, Text name) {
                         const auto surface = openpbr_surface_named(name);
                         if (surface) r.model = OpenPbrRequest{*surface};
-                        return surface || ((R::k_name == name && (r.model.emplace<R>(), true)) || ...);
+                        return surface || (request_if_named<R>(r, name) || ...);
                     });
     }(std::type_identity<AnyRequest>());
 }

@@ -74,7 +74,8 @@ inline ObservationKey observation_key(const FitRequest& request, bool is_of_samp
 }
 
 inline ObserveSamplesOptions observe_samples_options(const FitRequest& request) {
-    const ObservationKey key = observation_key(request, true);
+    constexpr bool k_is_of_samples = true;
+    const ObservationKey key = observation_key(request, k_is_of_samples);
     return {.objective = key.objective,
             .max_theta = key.max_theta,
             .seed = key.seed,

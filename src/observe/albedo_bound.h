@@ -24,9 +24,10 @@ double max_measured_albedo(const Observations& observations);
 /// Limits the directional albedo of a fit at views from the normal to cosθv = 0.001, in every channel.
 class AlbedoBound {
   public:
-    /// `azimuths`: number of azimuths of the views; one is enough for isotropic models. `is_fine`: more views, with
-    /// albedos by `albedo_quadrature`.
-    AlbedoBound(double limit, int azimuths, bool is_fine = false);
+    /// Fine: more views, with albedos by `albedo_quadrature`.
+    enum class Resolution { coarse, fine };
+    /// `azimuths`: number of azimuths of the views; one is enough for isotropic models.
+    AlbedoBound(double limit, int azimuths, Resolution resolution = Resolution::coarse);
 
     double limit() const { return limit_; }
 

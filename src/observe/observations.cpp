@@ -97,14 +97,17 @@ double horizon_weight(Vec3f wl, Vec3f wv, double importance, std::size_t count, 
 Observations first_pairs(const Observations& observations, std::size_t count) {
     count = std::min(count, observations.fitted_count());
     Observations selected;
-    selected.objective = observations.objective, selected.typical = observations.typical;
+    selected.objective = observations.objective;
+    selected.typical = observations.typical;
     selected.integral_error = observations.integral_error;
     selected.wavelengths = observations.wavelengths;
     const auto copy_first = [](auto& to, const auto& from, std::size_t numbers) {
         to.assign(from.begin(), from.begin() + std::ptrdiff_t(numbers));
     };
-    copy_first(selected.wl, observations.wl, count), copy_first(selected.wv, observations.wv, count);
-    copy_first(selected.f, observations.f, count), copy_first(selected.weight, observations.weight, count);
+    copy_first(selected.wl, observations.wl, count);
+    copy_first(selected.wv, observations.wv, count);
+    copy_first(selected.f, observations.f, count);
+    copy_first(selected.weight, observations.weight, count);
     copy_first(selected.spectrum, observations.spectrum, count * observations.wavelengths.size());
     selected.normalise();
     return selected;

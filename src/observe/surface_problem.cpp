@@ -151,7 +151,8 @@ void SurfaceData::add_pixel_rows(const Outputs& outputs, const std::vector<Outpu
                 add_jacobian_row(row, double(slopes.residual(component)[i % k_block]), H, g);
             }
     }
-    H *= fraction, g *= fraction;
+    H *= fraction;
+    g *= fraction;
 }
 
 }  // namespace

@@ -98,7 +98,7 @@ Result<std::array<GgxModel, k_max_ggx_lobes>> fit_priors(Objective objective, Ob
 }  // namespace
 
 Result<GapFilledSamples> fill_gaps(const ScatteredSamples& samples, double max_theta, int threads, bool is_single) {
-    const Observations observed = observations_of(samples, samples_within(samples, max_theta), true, false);
+    const Observations observed = observations_of(samples, samples_within(samples, max_theta), ExchangedSamples::added);
     GapFilledSamples filled;
     auto appearance_priors = fit_priors(Objective::appearance, observed, threads);
     if (!appearance_priors) return appearance_priors.error();

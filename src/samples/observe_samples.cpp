@@ -118,8 +118,8 @@ double min_roughness(std::span<const Vec3f> wl, std::span<const Vec3f> wv) {
     return std::max(first, std::isfinite(second) ? second / 4 : 0);
 }
 
-Observations observations_of(const ScatteredSamples& samples, std::span<const std::size_t> which, bool add_exchanged,
-                             bool spectral) {
+Observations observations_of(const ScatteredSamples& samples, std::span<const std::size_t> which,
+                             ExchangedSamples exchanged, bool spectral) {
     Observations observations;
     if (spectral) observations.wavelengths = samples.wavelengths;
     const std::size_t C = observations.wavelengths.size();
@@ -131,7 +131,7 @@ Observations observations_of(const ScatteredSamples& samples, std::span<const st
         observations.clamped += std::uint64_t(spectral ? clamped_spectrum : clamped_colours);
         const double weight = samples.weight.empty() ? 1 : double(samples.weight[i]);
         observations.add(samples.wl[i], samples.wv[i], f, weight, spectrum);
-        if (add_exchanged) observations.add(samples.wv[i], samples.wl[i], f, weight, spectrum);
+        if (exchanged == ExchangedSamples::added) observations.add(samples.wv[i], samples.wl[i], f, weight, spectrum);
     }
     observations.min_roughness = min_roughness(observations.wl, observations.wv);
     return observations;
@@ -161,8 +161,8 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
     SampleObservations observed;
     observed.options = options;
     observed.options.max_theta = *theta_max;
-    const Observations once = observations_of(samples, within, false, options.spectral);
-    observed.samples = observations_of(samples, within, true, options.spectral);
+    const Observations once = observations_of(samples, within, ExchangedSamples::omitted, options.spectral);
+    observed.samples = observations_of(samples, within, ExchangedSamples::added, options.spectral);
     observed.samples.masked = samples.masked;
     observed.samples.objective = options.objective;
     observed.samples.typical = typical_value(options.objective, once.wl, once.wv, once.f, once.weight);

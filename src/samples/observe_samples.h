@@ -28,10 +28,12 @@ std::vector<std::size_t> samples_within(const ScatteredSamples& samples, double 
 /// quarter of its peak, so that no peak is more than four times the value measured beside it. Where the peak itself
 /// is measured, the narrowest lobe has fallen to 0.4 % of it at the next sample.
 double min_roughness(std::span<const Vec3f> wl, std::span<const Vec3f> wv);
-/// The given samples with weight 1 and negative values set to 0. `add_exchanged` also adds each sample with light and
-/// viewer exchanged. `spectral` adds the spectra; negative values are then counted in spectra instead of colours.
-Observations observations_of(const ScatteredSamples& samples, std::span<const std::size_t> which, bool add_exchanged,
-                             bool spectral);
+/// Whether each sample is also observed with light and viewer exchanged.
+enum class ExchangedSamples { omitted, added };
+/// The given samples with weight 1 and negative values set to 0. `spectral` adds the spectra; negative values are then
+/// counted in spectra instead of colours.
+Observations observations_of(const ScatteredSamples& samples, std::span<const std::size_t> which,
+                             ExchangedSamples exchanged, bool spectral = false);
 
 /// Samples prepared for fits. Each sample is observed twice: as it is, and with light and viewer exchanged.
 struct SampleObservations {

@@ -121,7 +121,7 @@ Option add_number(const Subcommand& sub, const std::string& name, double& value,
 void add_edit(CommandLine& app, int& status) {
     const auto command = std::make_shared<EditCommand>();
     EditCommand& edit = *command;
-    const Subcommand sub = app.add_subcommand("edit", "Edit a model: roughness, colours, a coat");
+    const Subcommand sub = app.add_subcommand("edit", "Change the roughness or the colours of a model, or add a coat");
     sub.add_option("MODEL", edit.input, "A multivariate model").type_name("").required();
     sub.add_option("-o,--output", edit.output, "The model file to write").type_name("FILE").required();
     edit.roughens = add_number(sub, "--roughen", edit.roughen.factor, 0.1, 10,
@@ -148,9 +148,8 @@ void add_edit(CommandLine& app, int& status) {
     const Option threads = add_threads(sub, edit.options.threads,
                                        "Number of threads; 0: all of the machine. The output does not depend on it");
     sub.footer(
-        "Edits are applied in this order. The body is the lobes that reflect as far from the mirror direction as "
-        "Lambert\n"
-        "does, the highlight all others. A coat has three lobes more.\n\n"
+        "Edits are applied in the order of this list. The body consists of the lobes that reflect as far from the\n"
+        "mirror direction as Lambert does, and the highlight of all others. A coat adds three lobes.\n\n"
         "Example:\n  srbf edit film.srbf --roughen 1.5 --tint-highlight 1,0.8,0.6 -o warmer.srbf");
     const auto refits = [&edit] { return edit.roughens.given() || edit.coats.given() || edit.reduces.given(); };
     sub.callback(
@@ -176,9 +175,9 @@ void add_blend(CommandLine& app, int& status) {
     const auto command = std::make_shared<BlendCommand>();
     const Subcommand sub = app.add_subcommand("blend", "Mix two models");
     sub.add_option("A", command->a, "A multivariate model").type_name("").required();
-    sub.add_option("B", command->b, "Another one").type_name("").required();
+    sub.add_option("B", command->b, "Another multivariate model").type_name("").required();
     sub.add_option("-o,--output", command->output, "The model file to write").type_name("FILE").required();
-    sub.add_option("--mix", command->mix, "Share of B, 0 to 1")
+    sub.add_option("--mix", command->mix, "Fraction of B in the mixture, 0 to 1")
         .type_name("M")
         .check(within(0.0, 1.0))
         .capture_default_str();

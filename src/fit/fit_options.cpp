@@ -184,10 +184,10 @@ std::vector<FitOptionRow> options_of_lobes() {
               .negation = "no_axial"},
              [](FitRequest& r, bool is) { pm(r).axial = is; }),
         or_word(number<int>({"lobes", k_of_pm, "J|auto",
-                             fmt::format("Number of lobes, 1 to {}; for su per sampled direction; for ggx 1 or 2. "
-                                         "auto: for a table the\nfewest with a visible error of at most {:g}; for "
-                                         "samples the most that they determine. Default: {}, or {} in\nforms that are "
-                                         "not reciprocal; for samples auto; for ggx 1",
+                             fmt::format("Number of lobes, 1 to {}; su has it for each sampled direction; ggx has 1 or "
+                                         "2. auto takes for a table\nthe fewest with a visible error of at most {:g}, "
+                                         "and for samples the most that they determine.\nDefault: {}, or {} in forms "
+                                         "that are not reciprocal; auto for samples; 1 for ggx",
                                          k_max_fitted_lobes, k_default_delta_e, LobeCount{}.lobes,
                                          row_of(PmForm::extended).lobes)},
                             1, k_max_fitted_lobes, [](FitRequest& r, int n) { pm(r).size = LobeCount{n}; }),
@@ -238,7 +238,7 @@ std::vector<FitOptionRow> further_options() {
             {.name = "target_delta_e",
              .models = k_of_pm,
              .type = "E",
-             .about = fmt::format("pm: the fewest of up to {} lobes with at most this visible error against what is "
+             .about = fmt::format("Take the fewest of up to {} lobes with at most this visible error against what is "
                                   "fitted, the\nmean Delta E (ITP) of pictures of a sphere, where 1 is just noticeable",
                                   *std::ranges::max_element(k_tried_lobes)),
              .needed_for_patches = [](const FitRequest&) -> Text { return "a table of values"; }},

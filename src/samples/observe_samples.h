@@ -28,7 +28,7 @@ std::vector<std::size_t> samples_within(const ScatteredSamples& samples, double 
 /// quarter of its peak, so that no peak is more than four times the value measured beside it. Where the peak itself
 /// is measured, the narrowest lobe has fallen to 0.4 % of it at the next sample.
 double min_roughness(std::span<const Vec3f> wl, std::span<const Vec3f> wv);
-/// Whether each sample is also observed with light and viewer exchanged.
+/// Each sample with light and viewer exchanged is omitted, or added.
 enum class ExchangedSamples { omitted, added };
 /// The given samples with weight 1 and negative values set to 0. `spectral` adds the spectra; negative values are then
 /// counted in spectra instead of colours.

@@ -56,8 +56,7 @@ template <typename T> T required(Result<T> result) {
     return *std::move(result);
 }
 
-/// The first row that is not a unit vector; w.size() if all are. The square of the length may differ from 1 by less
-/// than 1e-3.
+/// The first row that is not a unit vector; w.size() if all are. The squared length differs from 1 by less than 1e-3.
 inline std::size_t first_not_unit(std::span<const Vec3f> w) {
     const auto is_wrong = [&](std::size_t i) { return !(std::abs(dot(w[i], w[i]) - 1) < 1e-3f); };
     constexpr std::size_t block = 1024;

@@ -10,8 +10,7 @@ namespace SRBF_NAMESPACE {
 
 /// Functions of numbers are named srbf_NAME, functions of vectors of numbers srbf_x_NAME.
 enum class CNumbers { single, vectors };
-/// The definitions in C that these functions of kernel.glsl need. Definitions in `known` are left out; the others are
-/// added to it.
+/// The definitions in C that these functions of kernel.glsl need, without those in `known`, which the others join.
 std::string kernel_in_c(const std::vector<std::string>& functions, CNumbers numbers, std::set<std::string>& known);
 
 /// The text of vectors and of values of multivariate models; the text of densities and samples of mixtures. Each has a

@@ -189,8 +189,7 @@ std::vector<Rgb> node_albedos(const Model& model) {
     for (int i = 0; i < k_albedo_nodes; ++i) reflected.push_back(albedo_of_node(brdf, albedo_cosine(i)));
     return reflected;
 }
-/// The function that albedo.glsl requires. If coefficients are arguments, it sums over lobes. Unless `is_used`, its
-/// table is empty.
+/// The function that albedo.glsl requires. It sums over lobes if coefficients are arguments. An unused table is empty.
 std::string albedo_node_text(const Model& model, ParameterStorage storage, bool is_used, Program& program) {
     Table nodes{"Directional albedo (R, G, B), a row for each node.", "albedo_nodes", {}, 3};
     if (storage != ParameterStorage::arguments) {
@@ -266,8 +265,7 @@ std::string look_up_text(const PmModel& basis) {
         basis.lobes);
 }
 
-/// Declarations that the formulas of a model read, and these formulas. `Pm` is the handle of coefficients that are
-/// arguments.
+/// Declarations that the formulas of a model read, and these formulas. Coefficients that are arguments are in a `Pm`.
 struct ModelText {
     std::string brdf, accessors = {}, kernel = {};
     int variates = 1, terms = 1;

@@ -290,8 +290,7 @@ std::string Printer::expression_text(const Expression& expression, int outer) {
         case EKind::member:
             return part(0, k_primary_level) + "." + printed_name(expression.text);
         case EKind::index: {
-            // In C a table is a function, since GPU programs may lack global arrays. In every language the host
-            // supplies a function.
+            // In C a table is a function, since GPU programs may lack global arrays; so is a table of the host.
             const bool is_table = parts[0].kind == EKind::name && names_.contains(parts[0].text);
             const bool is_supplied = parts[0].type.size.empty();
             const char* brackets = is_table && (!language_.has_operators || is_supplied) ? "()" : "[]";

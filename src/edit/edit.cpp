@@ -143,8 +143,7 @@ Result<const PmModel*> require_pm(const Model& model) {
 /// True if the edit needs colours, which a spectral model does not have of its own.
 bool is_of_colours(const Edit& edit) { return !std::holds_alternative<Rotate>(edit); }
 
-/// The model in 16-bit floats. Returns an error if a coefficient is too large for them, or so small that its lobe
-/// becomes black.
+/// The model in 16-bit floats. Returns an error if a coefficient is too large, or so small that its lobe becomes black.
 Result<PmModel> in_halves(const PmModel& model, const char* where) {
     PmModel stored = rounded(model);
     for (std::size_t j = 0; j < stored.coefficient.size(); ++j)

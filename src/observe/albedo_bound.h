@@ -17,8 +17,7 @@ constexpr double default_albedo_limit(PmForm form) {
     return is_reciprocal(form) ? 1 : std::numeric_limits<double>::infinity();
 }
 
-/// The largest directional albedo of a channel that was measured at views up to 80°. At larger angles a table's values
-/// are quotients by small cosines.
+/// The largest directional albedo of a channel measured at views up to 80°; beyond, values are quotients by small cosines.
 double max_measured_albedo(const Observations& observations);
 
 /// Limits the directional albedo of a fit at views from the normal to cosθv = 0.001, in every channel.

@@ -10,8 +10,7 @@ namespace SRBF_NAMESPACE {
 
 // ---- The costs of the terms of a loss, for fits of tables: "The objective" in docs/fitting.md ----
 
-// Weights of pairs: the loss of a 100 % error everywhere under each term, as a fraction of the same loss under the
-// objective's own weights.
+// Weights of pairs: the loss of a 100 % error everywhere under a term, as a fraction of that under the objective's own.
 inline constexpr double k_highlights = 1;  ///< weight of cube roots in appearance, for values that a display clips
 inline constexpr double k_peaks = 0.3;     ///< weight of squares in appearance
 /// The weight of cube roots in objective cosine. Without it the diffuse base under a highlight has almost no weight.
@@ -23,8 +22,7 @@ inline constexpr double k_horizon_importance = 1e-2;
 inline constexpr double k_pixels = 3.5;
 
 /// A relative error of this size in every albedo costs as much as the fit's loss without albedos; the two values
-/// are for fits without and with pixels. The cost is proportional to 1 over the square: with half the value it is
-/// four times as large.
+/// are for fits without and with pixels. The cost is proportional to 1 over the square of the value.
 inline constexpr double k_albedo_error = 0.1, k_albedo_error_with_pixels = 0.02;
 /// The error of albedos of noisy tables. An albedo is the sum of thousands of values, and more certain than any of
 /// them. The error falls with the fourth power of the noise; it is least where the noise is at least this fraction
@@ -99,8 +97,7 @@ struct Observations {
     std::vector<ObservedView> views;  ///< points of pictures, also matched by a fit in its last stages
     std::uint64_t masked = 0;         ///< number of sampled pairs where nothing was measured
     std::uint64_t clamped = 0;        ///< number of negative channel values at sampled pairs
-    /// Lower bound on the roughness of microfacet lobes (samples/observe_samples.h); 0: samples are dense, like those
-    /// of a table.
+    /// Lower bound on the roughness of microfacet lobes (`observe_samples.h`); 0: samples are as dense as a table's.
     double min_roughness = 0;
     std::vector<float> wavelengths;  ///< [nm] C wavelengths of spectral observations; otherwise empty
     std::vector<float> spectrum;     ///< f at each wavelength: observations × C [1/sr], ≥ 0

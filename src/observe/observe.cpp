@@ -57,8 +57,7 @@ Observations evaluate_pairs(const Evaluate& f, std::size_t count, int threads, c
     return observations;
 }
 
-/// Returns the smoothed values, with negative ones set to 0. Adds the same increases to f, so that noise around a
-/// positive value keeps its mean.
+/// Returns the smoothed values with negative ones set to 0, and raises f as much, so that its noise keeps its mean.
 std::vector<Rgb> raise(std::span<Rgb> f, std::span<const Vec3f> wl, std::span<const Vec3f> wv,
                        const Evaluate& smoothed) {
     std::vector<Rgb> level(f.begin(), f.end());

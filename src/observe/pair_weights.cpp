@@ -86,8 +86,7 @@ constexpr auto k_objectives = [] {
 }();
 
 /// The factor that turns the weighted square into the actual error, Σ_c (g(f_c) − g(f̂_c))² / Σ_c (f_c−f̂_c)² over the
-/// square of g's slope, for an objective whose weights hold for small errors only; otherwise 1. It is clamped to [1 /
-/// max, max].
+/// square of g's slope, in [1/max, max]; 1 for an objective whose weights hold for errors of any size.
 double large_error_weight(Objective objective, const Rgb& f, const Rgb& fitted, double typical, double cos_l,
                           double max) {
     const ObjectiveTraits& row = traits(objective);

@@ -108,8 +108,7 @@ struct SurfaceRound {
     int steps;
 };
 
-/// Improves the first candidates by Levenberg-Marquardt, and sorts them by their loss. `variables_of` returns the
-/// variables of a model.
+/// Improves the first candidates by Levenberg-Marquardt in the variables `variables_of(model)`, and sorts them by loss.
 template <typename Model, typename VariablesOf>
 void refine_candidates(std::vector<SurfaceCandidate<Model>>& candidates, const SurfaceRound& round,
                        const SurfaceData& data, const VariablesOf& variables_of, int threads) {

@@ -14,8 +14,7 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// A value on which several g_i agree is more likely than one of a single g. It may exceed the samples by more than
-/// a fit may.
+/// A value on which several g_i agree is likelier than one of a single g, and may exceed the samples by more.
 constexpr double k_max_agreed = 1.8;
 
 /// The priors at a pair of directions, combined.

@@ -15,8 +15,7 @@ struct ObserveSamplesOptions {
     bool spectral = false;  ///< also observe the spectra of spectral samples, not only their colours
     bool fill_gaps = true;  ///< also observe the gap-filled samples, to which lobes are then fitted
     int threads = 0;        ///< number of threads; 0: all of the machine. The result does not depend on it
-    /// If not 0, a quick mode for fits of many files: only the samples filled by one prior, at this many pairs and
-    /// without views.
+    /// If not 0, a quick mode for fits of many files: only samples filled by one prior, at this many pairs, no views.
     std::size_t only_gap_filled = 0;
 };
 
@@ -49,9 +48,8 @@ struct SampleObservations {
 /// without spectra, or if it is cancelled.
 Result<SampleObservations> observe(const ScatteredSamples& samples, const ObserveSamplesOptions& options,
                                    const ProgressToken& progress = {});
-/// Fits parameterized multivariate SRBFs to the gap-filled samples, and coefficients of wavelengths to the samples.
-/// Returns an error as the `fit_pm` of fit_pm.h does, and if the samples have fewer values than the model has
-/// parameters.
+/// Fits lobes to the gap-filled samples, and coefficients of wavelengths to the samples. Returns an error if the
+/// `fit_pm` of fit_pm.h does, or if the samples have fewer values than the model has parameters.
 Result<PmFit> fit_pm(const SampleObservations& observations, const PmFitOptions& options,
                      const ProgressToken& progress = {});
 

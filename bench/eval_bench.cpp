@@ -8,11 +8,11 @@
 #include <variant>
 #include <vector>
 
-#include "brdf/directions.h"
 #include "measured/tables.h"
 #include "models.h"
 #include "models/ggx/ggx_kind.h"
 #include "one_target.h"
+#include "random_pairs.h"
 #include "srbf/measured.h"
 #include "srbf/model.h"
 #include "srbf/models/ggx.h"
@@ -20,27 +20,6 @@
 
 namespace srbf {
 namespace {
-
-struct Pairs {
-    std::vector<Vec3f> wl, wv;
-};
-
-/// Pairs of directions, each uniform over the hemisphere to 89°.
-Pairs random_pairs(std::size_t count) {
-    std::mt19937_64 random(1);
-    const MirrorMixture cap(89 * k_degree);
-    const auto direction = [&] {
-        const double u1 = uniform(random), u2 = uniform(random);
-        const Vec3d w = cap.sample_cap(u1, u2);
-        return Vec3f(float(w.x), float(w.y), float(w.z));
-    };
-    Pairs pairs;
-    for (std::size_t i = 0; i < count; ++i) {
-        pairs.wl.push_back(direction());
-        pairs.wv.push_back(direction());
-    }
-    return pairs;
-}
 
 /// A table of the database's size without masked cells.
 MerlTable merl_table() {

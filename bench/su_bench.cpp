@@ -6,11 +6,11 @@
 #include <map>
 #include <string>
 
-#include "brdf/directions.h"
 #include "brdf/values.h"
 #include "errors/measures.h"
 #include "models/su/fit_su.h"
 #include "models/su/su_functions.h"
+#include "random_pairs.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"
@@ -85,29 +85,13 @@ void build_index(benchmark::State& state) {
 }
 BENCHMARK(build_index)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond)->UseRealTime();
 
-struct Pairs {
-    std::vector<Vec3f> wl, wv;
-};
-const Pairs& random_pairs() {
-    static const Pairs pairs = [] {
-        std::mt19937_64 random(1);
-        const MirrorMixture cap(89 * k_degree);
-        Pairs sampled;
-        for (int i = 0; i < 1 << 14; ++i)
-            for (auto* directions : {&sampled.wl, &sampled.wv}) {
-                const double u1 = uniform(random), u2 = uniform(random);
-                directions->push_back(to_float(cap.sample_cap(u1, u2)));
-            }
-        return sampled;
-    }();
-    return pairs;
-}
+constexpr std::size_t k_pairs = 1 << 14;
 
 // Evaluation, in ns per pair: single pairs, arrays of unrelated pairs, and arrays of pairs with the same view.
 void evaluate_pair(benchmark::State& state) {
     SuModel su = model();
     su.interpolation = SuInterpolation(state.range(0));
-    const Pairs& pairs = random_pairs();
+    const Pairs pairs = random_pairs(k_pairs);
     std::size_t i = 0;
     for (auto _ : state) {
         benchmark::DoNotOptimize(value(su, pairs.wl[i], pairs.wv[i]));
@@ -120,7 +104,7 @@ BENCHMARK(evaluate_pair)->Arg(0)->Arg(1);
 void evaluate_array(benchmark::State& state) {
     SuModel su = model();
     su.interpolation = SuInterpolation(state.range(0));
-    Pairs pairs = random_pairs();
+    Pairs pairs = random_pairs(k_pairs);
     if (state.range(1) == 1) std::fill(pairs.wv.begin(), pairs.wv.end(), pairs.wv[0]);
     std::vector<Rgb> f(pairs.wl.size());
     for (auto _ : state) {

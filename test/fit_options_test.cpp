@@ -49,10 +49,10 @@ TEST(OptionsOfAFit, AreReadByTheirModelsAlone) {
         for (const std::string_view model : k_model_names) {
             FitTexts texts = with(option, accepted(option));
             texts["model"] = model;
-            bool reads = option.models.empty();
-            for (const FitOptionRow& row : fit_options())
-                reads = reads || (row.name == option.name && std::ranges::count(row.models, model) > 0);
-            if (reads || option.name == "model") continue;
+            const bool is_read = std::ranges::any_of(fit_options(), [&](const FitOptionRow& row) {
+                return row.name == option.name && std::ranges::count(row.models, model) > 0;
+            });
+            if (is_read || option.models.empty() || option.name == "model") continue;
             const auto refused = fit_request(texts);
             ASSERT_FALSE(refused.ok()) << option.name << " " << model;
             EXPECT_CONTAINS(message(refused.error()), "only with model ");
@@ -60,12 +60,9 @@ TEST(OptionsOfAFit, AreReadByTheirModelsAlone) {
 }
 
 TEST(OptionsOfAFit, SetWhatTheyName) {
-    const auto request = checked(fit_request({{"lobes", "3"},
-                                              {"variates", "2"},
-                                              {"axial", "false"},
-                                              {"max_theta", "70"},
-                                              {"objective", "raw"},
-                                              {"seed", "18446744073709551615"}}));
+    const FitTexts texts{{"lobes", "3"},      {"variates", "2"},    {"axial", "false"},
+                         {"max_theta", "70"}, {"objective", "raw"}, {"seed", "18446744073709551615"}};
+    const auto request = checked(fit_request(texts));
     const auto& pm = std::get<PmRequest>(request->model);
     EXPECT_EQ(std::get<LobeCount>(*pm.size).lobes, 3);
     EXPECT_EQ(pm.variates, 2);

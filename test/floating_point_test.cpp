@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "measured/tables.h"
+#include "measured_files.h"
 #include "models.h"
 #include "models/ggx/ggx_kind.h"
 #include "models/pm/search/fit_pm.h"
@@ -95,8 +96,6 @@ SRBF_WRAPPED(void, add_products, "12add_productsESt4spanIKPKfLm18446744073709551
 }
 namespace {
 
-Measured film() { return *load_measured((bundled_data() / "cc_ibiza_sunset_rgb.bsdf").string()); }
-
 struct Counts {
     std::uint64_t total, subnormal;
 };
@@ -125,12 +124,12 @@ TEST(FloatingPoint, CountersFindSubnormalNumbers) {
 }
 
 TEST(FloatingPoint, FewNumbersOfTheDefaultFitAreSubnormal) {
-    const Measured measured = film();
+    const Measured& measured = bundled("cc_ibiza_sunset_rgb");
     expect_few([&] { const auto fit = checked(fit_pm(*observe(signed_evaluator(measured), {}), {})); });
 }
 
 TEST(FloatingPoint, FewNumbersOfAViewByViewFitAreSubnormal) {
-    const Measured measured = film();
+    const Measured& measured = bundled("cc_ibiza_sunset_rgb");
     expect_few([&] {
         const auto matrix = tabulate(signed_evaluator(measured), {.directions = 192});
         const auto fit = checked(fit_su(*matrix, {.lobes = 5}));
@@ -239,7 +238,7 @@ std::vector<std::vector<std::byte>> results(const Measured& measured, int thread
 }
 
 TEST(CallersMode, HasNoEffectAndIsKept) {
-    const Measured measured = film();
+    const Measured& measured = bundled("cc_ibiza_sunset_rgb");
     const auto initial = mode_now();
     const auto expected = results(measured, 1);
     for (const int threads : {1, 2})

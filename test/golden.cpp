@@ -17,6 +17,7 @@
 #include "srbf/fit.h"
 #include "srbf/kernel.h"
 #include "srbf/model.h"
+#include "support/brdf_functions.h"
 #include "support/one_target.h"
 
 namespace srbf {
@@ -82,7 +83,7 @@ std::string digits(double x) {
     return text;
 }
 
-TableRow line_of(const FitOutcome& outcome) {
+TableRow row_of(const FitOutcome& outcome) {
     Hash figures;
     figures.add(*outcome.errors);
     figures.add(double(outcome.masked));
@@ -95,14 +96,12 @@ TableRow line_of(const FitOutcome& outcome) {
 
 /// A diffuse base below a GGX varnish, which has a closed form.
 Evaluate varnished(float roughness, Rgb body) {
-    return [=](auto wl, auto wv, auto f) {
+    return pairwise([=](Vec3f wl, Vec3f wv) {
         using K = Kernel<float>;
         const K::GgxLobe varnish{roughness, {0.04f, 0.04f, 0.04f}, 1};
-        for (std::size_t i = 0; i < f.size(); ++i) {
-            const Vec3f value = K::ggx_value({body.r, body.g, body.b}, varnish, {1, {0, 0, 0}, 0}, wl[i], wv[i]);
-            f[i] = wl[i].z > 0 && wv[i].z > 0 ? Rgb{value.x, value.y, value.z} : Rgb{};
-        }
-    };
+        const Vec3f f = K::ggx_value({body.r, body.g, body.b}, varnish, {1, {0, 0, 0}, 0}, wl, wv);
+        return wl.z > 0 && wv.z > 0 ? Rgb{f.x, f.y, f.z} : Rgb{};
+    });
 }
 
 /// Pairs of directions up to 80° from the normal, many of them close to the mirror direction.
@@ -158,17 +157,17 @@ struct Golden {
         return {.model = pm, .objective = objective, .threads = threads};
     }
     TableRow fitted(const Measured& measured, const FitRequest& fit_request) const {
-        return line_of(value_or_fail(fit(measured, fit_request)));
+        return row_of(value_or_fail(fit(measured, fit_request)));
     }
-    TableRow pm_line(const Measured& measured, int lobes, Objective objective = k_default_objective,
-                     PmRequest pm = {.form = PmForm::extended}) const {
+    TableRow pm_row(const Measured& measured, int lobes, Objective objective = k_default_objective,
+                    PmRequest pm = {.form = PmForm::extended}) const {
         pm.size = LobeCount{lobes};
         return fitted(measured, request(pm, objective));
     }
-    TableRow su_line(const Measured& measured, SuRequest su, Objective objective) const {
+    TableRow su_row(const Measured& measured, SuRequest su, Objective objective) const {
         return fitted(measured, {.model = su, .objective = objective, .threads = threads});
     }
-    TableRow bsdf_line() const {
+    TableRow bsdf_row() const {
         const Evaluate front = varnished(0.3f, {0.4f, 0.3f, 0.2f}), back = varnished(0.5f, {0.2f, 0.3f, 0.4f}),
                        through = varnished(0.7f, {0.1f, 0.2f, 0.1f});
         const BsdfOutcome outcome =
@@ -181,43 +180,41 @@ struct Golden {
     }
 };
 
-struct Row {
+struct NamedFit {
     const char* name;
     std::function<TableRow(const Golden&)> fit;
 };
-const std::vector<Row>& rows() {
+const std::vector<NamedFit>& fits() {
     using G = Golden;
-    static const std::vector<Row> list{
-        {"paper", [](const G& g) { return g.pm_line(g.paper, 8); }},
-        {"film", [](const G& g) { return g.pm_line(g.film, 8); }},
+    static const std::vector<NamedFit> list{
+        {"paper", [](const G& g) { return g.pm_row(g.paper, 8); }},
+        {"film", [](const G& g) { return g.pm_row(g.film, 8); }},
         {"film-3-general",
          [](const G& g) {
-             return g.pm_line(g.film, 3, k_default_objective,
-                              {.form = PmForm::extended, .axial = false, .effort = 0.3});
+             return g.pm_row(g.film, 3, k_default_objective, {.form = PmForm::extended, .axial = false, .effort = 0.3});
          }},
-        {"film-3-source", [](const G& g) { return g.pm_line(g.film, 3, Objective::raw, {.form = PmForm::gaussian}); }},
+        {"film-3-source", [](const G& g) { return g.pm_row(g.film, 3, Objective::raw, {.form = PmForm::gaussian}); }},
         {"paper-reciprocal", [](const G& g) { return g.fitted(g.paper, g.request({})); }},
         {"film-reciprocal", [](const G& g) { return g.fitted(g.film, g.request({})); }},
         {"film-3-reciprocal-general",
          [](const G& g) {
-             return g.pm_line(g.film, 3, Objective::cosine,
-                              {.form = PmForm::reciprocal, .axial = false, .effort = 0.3});
+             return g.pm_row(g.film, 3, Objective::cosine, {.form = PmForm::reciprocal, .axial = false, .effort = 0.3});
          }},
-        {"paper-3-log", [](const G& g) { return g.pm_line(g.paper, 3, Objective::log, {.form = PmForm::extended}); }},
-        {"film-3-cube-root", [](const G& g) { return g.pm_line(g.film, 3, Objective::cube_root); }},
+        {"paper-3-log", [](const G& g) { return g.pm_row(g.paper, 3, Objective::log, {.form = PmForm::extended}); }},
+        {"film-3-cube-root", [](const G& g) { return g.pm_row(g.film, 3, Objective::cube_root); }},
         {"film-views",
-         [](const G& g) { return g.su_line(g.film, {.lobes = 3, .directions = 96}, k_default_objective); }},
+         [](const G& g) { return g.su_row(g.film, {.lobes = 3, .directions = 96}, k_default_objective); }},
         {"film-lights",
          [](const G& g) {
-             return g.su_line(g.film, {.lobes = 2, .discretise = Discretise::light, .directions = 64}, Objective::raw);
+             return g.su_row(g.film, {.lobes = 2, .discretise = Discretise::light, .directions = 64}, Objective::raw);
          }},
         {"film-ggx", [](const G& g) { return g.fitted(g.film, {.model = GgxRequest{2}, .threads = g.threads}); }},
         {"film-openpbr",
          [](const G& g) { return g.fitted(g.film, {.model = OpenPbrRequest{}, .threads = g.threads}); }},
         {"film-samples",
          [](const G& g) {
-             return g.pm_line(samples_of(g.film, 300, false), 3, k_default_objective,
-                              {.form = PmForm::extended, .effort = 0.3});
+             return g.pm_row(samples_of(g.film, 300, false), 3, k_default_objective,
+                             {.form = PmForm::extended, .effort = 0.3});
          }},
         {"film-spectra",
          [](const G& g) {
@@ -225,7 +222,7 @@ const std::vector<Row>& rows() {
              request.spectral = true;
              return g.fitted(samples_of(g.film, 160, true), request);
          }},
-        {"both-sides", [](const G& g) { return g.bsdf_line(); }},
+        {"both-sides", [](const G& g) { return g.bsdf_row(); }},
     };
     return list;
 }
@@ -240,11 +237,11 @@ std::map<std::string, TableRow> read_table(const std::string& path) {
     std::getline(file, text);  // the names of the columns
     while (std::getline(file, text)) {
         std::istringstream columns(text);
-        TableRow line;
+        TableRow row;
         std::getline(columns, name, ',');
-        for (std::string* column : {&line.model, &line.figures, &line.delta_e, &line.error})
+        for (std::string* column : {&row.model, &row.figures, &row.delta_e, &row.error})
             std::getline(columns, *column, ',');
-        table[name] = line;
+        table[name] = row;
     }
     return table;
 }
@@ -267,23 +264,23 @@ void limit_to(const std::string& name) {
 /// Fits the wanted rows and returns how many differ from the table. Appends their lines to `text`, and the table's
 /// lines for the other rows.
 int compare_rows(const Golden& golden, const std::map<std::string, TableRow>& table,
-                 const std::function<bool(const Row&)>& is_wanted, std::string& text) {
+                 const std::function<bool(const NamedFit&)>& is_wanted, std::string& text) {
     int differing = 0;
-    for (const Row& row : rows()) {
-        const auto entry = table.find(row.name);
+    for (const NamedFit& named_fit : fits()) {
+        const auto entry = table.find(named_fit.name);
         const TableRow expected = entry == table.end() ? TableRow{} : entry->second;
-        const bool is_fitted = is_wanted(row);
-        const TableRow line = is_fitted ? row.fit(golden) : expected;
-        text += std::string(row.name) + ',' + line.model + ',' + line.figures + ',' + line.delta_e + ',' + line.error +
-                '\n';
+        const bool is_fitted = is_wanted(named_fit);
+        const TableRow row = is_fitted ? named_fit.fit(golden) : expected;
+        text += std::string(named_fit.name) + ',' + row.model + ',' + row.figures + ',' + row.delta_e + ',' +
+                row.error + '\n';
         if (!is_fitted) continue;
         const auto print = [](const char* label, const TableRow& printed) {
             std::printf("%s: model %s, figures %s, delta E %s, error %s\n", label, printed.model.c_str(),
                         printed.figures.c_str(), printed.delta_e.c_str(), printed.error.c_str());
         };
-        const bool same = line.model == expected.model && line.figures == expected.figures;
+        const bool same = row.model == expected.model && row.figures == expected.figures;
         differing += !same;
-        print(row.name, line);
+        print(named_fit.name, row);
         if (!same) print("  DIFFERS, expected", expected);
         std::fflush(stdout);
     }
@@ -327,15 +324,15 @@ int run(const std::vector<std::string>& arguments) {
             // has loops of its own for each set, the next one fewer, the rest one.
             const std::vector<std::string> selected{"film-lights", "film-3-general", "paper-reciprocal", "film-views",
                                                     "film-openpbr"};
-            const std::ptrdiff_t count = every ? std::ssize(rows()) : i == 1 ? std::ssize(selected) : i == 2 ? 3 : 1;
-            const auto is_wanted = [&](const Row& row) {
-                return every || std::find(selected.begin(), selected.end(), row.name) - selected.begin() < count;
+            const std::ptrdiff_t count = every ? std::ssize(fits()) : i == 1 ? std::ssize(selected) : i == 2 ? 3 : 1;
+            const auto is_wanted = [&](const NamedFit& named_fit) {
+                return every || std::find(selected.begin(), selected.end(), named_fit.name) - selected.begin() < count;
             };
             failed += compare_rows(golden, table, is_wanted, text);
         }
     } else {
         failed = compare_rows(
-            golden, table, [&](const Row& row) { return only.empty() || only == row.name; }, text);
+            golden, table, [&](const NamedFit& named_fit) { return only.empty() || only == named_fit.name; }, text);
     }
     if (is_writing) {
         std::FILE* const file = std::fopen(path.c_str(), "w");

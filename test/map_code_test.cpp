@@ -18,8 +18,9 @@ namespace srbf::map_code_test {
 namespace {
 
 constexpr std::size_t k_width = 8, k_height = 4;
+constexpr double k_least = 1e-30;  ///< tolerance of values that are 0
 
-/// Returns a random map, of axial lobes or of general ones.
+/// A random map, of axial lobes or of general ones.
 TexelMap map_of(bool axial, std::size_t width = k_width, std::size_t height = k_height) {
     std::mt19937_64 random(axial ? 1 : 2);
     return random_map(random, {axial, true, 5, 3, 60, PmForm::extended}, width, height);
@@ -30,7 +31,7 @@ std::string code(const TexelMap& map, CodeLanguage language, bool albedo = true)
     return text ? *text : (ADD_FAILURE() << message(text.error()), "");
 }
 
-/// Holds a file of KTX 2.0 as its specification describes it: the numbers of its header, and levels of its texels.
+/// A file of KTX 2.0 as its specification describes it: the numbers of its header, and levels of its texels.
 template <typename Number> struct TextureOf {
     std::vector<std::uint32_t> header;
     std::vector<std::vector<Number>> levels;
@@ -38,9 +39,9 @@ template <typename Number> struct TextureOf {
 };
 using Texture = TextureOf<std::uint16_t>;
 template <typename Number = std::uint16_t> TextureOf<Number> texture_of(std::span<const std::byte> bytes) {
-    const auto number = [&](std::size_t at, auto read) {
-        EXPECT_LE(at + sizeof read, bytes.size());
-        std::memcpy(&read, &bytes[at], sizeof read);
+    const auto number = [&](std::size_t offset, auto read) {
+        EXPECT_LE(offset + sizeof read, bytes.size());
+        std::memcpy(&read, &bytes[offset], sizeof read);
         return read;
     };
     TextureOf<Number> texture;
@@ -58,9 +59,9 @@ template <typename Number = std::uint16_t> TextureOf<Number> texture_of(std::spa
     }
     const std::size_t end = texture.header[11] + texture.header[12];  // the metadata
     EXPECT_LE(end, after);
-    for (std::size_t at = texture.header[11], size = 0; at < end; at += 4 + (size + 3) / 4 * 4) {
-        size = number(at, std::uint32_t());
-        const std::string entry(reinterpret_cast<const char*>(&bytes[at + 4]), size);
+    for (std::size_t offset = texture.header[11], size = 0; offset < end; offset += 4 + (size + 3) / 4 * 4) {
+        size = number(offset, std::uint32_t());
+        const std::string entry(reinterpret_cast<const char*>(&bytes[offset + 4]), size);
         texture.metadata[entry.c_str()] = entry.substr(entry.find('\0') + 1);
     }
     return texture;
@@ -79,11 +80,8 @@ std::vector<DirectionPair> pairs(std::size_t count) {
     }
     return pairs;
 }
-void expect_near(const Rgb& found, const Rgb& expected, float relative, const std::string& texel) {
-    EXPECT_RGB_WITHIN_RELATIVE(found, expected, relative, 1e-30) << texel;
-}
 
-class MapCode : public CodeTest {};
+using MapCode = CodeTest;
 
 TEST_F(MapCode, HasTheValuesOfTheTexels) {
     for (const bool axial : {true, false}) {
@@ -117,8 +115,9 @@ TEST_F(MapCode, HasTheValuesOfTheTexels) {
             for (std::size_t i = 40 * t; i < 40 * (t + 1); ++i) {
                 std::array<Rgb, 2> found;
                 answer(texels.data(), &at[i], uv.data(), found.data());
-                expect_near(found[0], value(model, at[i].wl, at[i].wv), 2e-4f, "value");
-                if (prepared) expect_near(found[1], albedo(*prepared, at[i].wv.z), 2e-4f, "albedo");
+                EXPECT_RGB_WITHIN_RELATIVE(found[0], value(model, at[i].wl, at[i].wv), 2e-4, k_least);
+                if (!prepared) continue;
+                EXPECT_RGB_WITHIN_RELATIVE(found[1], albedo(*prepared, at[i].wv.z), 2e-4, k_least);
             }
         }
     }
@@ -173,15 +172,15 @@ TEST_F(MapCode, BytesAreNearestFractionsOfTheScale) {
         ASSERT_EQ(texture.levels[k].size(), 4 * J * texels);
         std::size_t white = 0;
         for (std::size_t i = 0; i < J * texels; ++i) {
-            const std::uint8_t* const at = &texture.levels[k][4 * (i % J * texels + i / J)];
-            EXPECT_EQ(at[3], 255);
+            const std::uint8_t* const rgba = &texture.levels[k][4 * (i % J * texels + i / J)];
+            EXPECT_EQ(rgba[3], 255);
             for (int c = 0; c < 3; ++c) {
                 const double scale = double(scales[i % J][c]), exact = double(level.coefficient[i][c]);
                 const auto difference = [&](int byte) { return std::abs(scale * srgb_decoded(byte / 255.0) - exact); };
                 EXPECT_LE(exact, scale * (1 + 1e-6));
-                for (const int other : {std::max(at[c] - 1, 0), std::min(at[c] + 1, 255)})
-                    EXPECT_LE(difference(at[c]), difference(other) + 1e-6 * scale);
-                white += at[c] == 255;
+                for (const int other : {std::max(rgba[c] - 1, 0), std::min(rgba[c] + 1, 255)})
+                    EXPECT_LE(difference(rgba[c]), difference(other) + 1e-6 * scale);
+                white += rgba[c] == 255;
             }
         }
         if (k > 0) continue;
@@ -236,10 +235,10 @@ struct TexelArea {
     std::array<float, 4> uv;  // and the level
 };
 TexelArea texel_area(std::size_t x0, std::size_t y0, std::size_t size, float level) {
-    TexelArea place{{}, {(float(x0) + float(size) / 2) / k_width, (float(y0) + float(size) / 2) / k_height, level, 0}};
+    TexelArea area{{}, {(float(x0) + float(size) / 2) / k_width, (float(y0) + float(size) / 2) / k_height, level, 0}};
     for (std::size_t y = y0; y < y0 + size; ++y)
-        for (std::size_t x = x0; x < x0 + size; ++x) place.texels.push_back(y * k_width + x);
-    return place;
+        for (std::size_t x = x0; x < x0 + size; ++x) area.texels.push_back(y * k_width + x);
+    return area;
 }
 /// Corners of texels, where a filter takes the mean of four, and middles of texels of the coarser levels.
 std::vector<TexelArea> texel_areas() {
@@ -307,18 +306,18 @@ TEST_F(MapCode, FilteredTexturesAreMeansOfBrdfs) {
         ASSERT_NE(program, 0u);
         bind_layers(map);
         std::vector<std::array<float, 4>> questions;
-        for (const TexelArea& place : all)
+        for (const TexelArea& area : all)
             for (const DirectionPair& pair : at) {
                 questions.push_back({pair.wl.x, pair.wl.y, pair.wl.z, 0});
                 questions.push_back({pair.wv.x, pair.wv.y, pair.wv.z, 0});
-                questions.push_back(place.uv);
+                questions.push_back(area.uv);
             }
         const auto answers = answers_of(program, questions);
         EXPECT_EQ(glGetError(), GLenum(GL_NO_ERROR));
         for (std::size_t i = 0; i < answers.size(); ++i) {
-            const TexelArea& place = all[i / at.size()];
-            expect_near({answers[i][0], answers[i][1], answers[i][2]}, mean(map, place.texels, at[i % at.size()]),
-                        1e-3f, fmt::format("level {}", place.uv[2]));
+            const TexelArea& area = all[i / at.size()];
+            EXPECT_RGB_WITHIN_RELATIVE(answers[i], mean(map, area.texels, at[i % at.size()]), 1e-3, k_least)
+                << "level " << area.uv[2];
         }
     }
 }

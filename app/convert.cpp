@@ -87,13 +87,13 @@ int ConvertCommand::run() const {
 
 /// ".bsdf (RGL), .mbsdf (MDL), ..".
 std::string written_formats() {
-    std::string all;
+    std::string text;
     for (const Format& format : formats()) {
         if (!format.write) continue;
-        all += fmt::format("{}{}", all.empty() ? "" : ", ", format.extension);
-        if (!format.used_by.empty()) all += fmt::format(" ({})", format.used_by);
+        text += fmt::format("{}{}", text.empty() ? "" : ", ", format.extension);
+        if (!format.used_by.empty()) text += fmt::format(" ({})", format.used_by);
     }
-    return all;
+    return text;
 }
 
 using Command = std::shared_ptr<ConvertCommand>;

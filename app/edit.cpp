@@ -32,16 +32,16 @@ struct EditCommand {
 
 /// The edits on the command line, in the order of the help.
 std::vector<Edit> EditCommand::edits() const {
-    std::vector<Edit> all;
-    if (roughens.given()) all.emplace_back(roughen);
+    std::vector<Edit> chosen;
+    if (roughens.given()) chosen.emplace_back(roughen);
     if (std::ranges::any_of(colour_options, &Option::given))
-        all.emplace_back(Tint{scaled(float(scale_highlight), tint.highlight), scaled(float(scale_body), tint.body)});
-    if (saturates.given()) all.emplace_back(saturate);
-    if (hues.given()) all.emplace_back(hue);
-    if (rotates.given()) all.emplace_back(rotate);
-    if (coats.given()) all.emplace_back(coat);
-    if (reduces.given()) all.emplace_back(reduce);
-    return all;
+        chosen.emplace_back(Tint{scaled(float(scale_highlight), tint.highlight), scaled(float(scale_body), tint.body)});
+    if (saturates.given()) chosen.emplace_back(saturate);
+    if (hues.given()) chosen.emplace_back(hue);
+    if (rotates.given()) chosen.emplace_back(rotate);
+    if (coats.given()) chosen.emplace_back(coat);
+    if (reduces.given()) chosen.emplace_back(reduce);
+    return chosen;
 }
 
 /// The model in a file.
@@ -76,8 +76,8 @@ int EditCommand::run() {
                     fmt::format(" {}{}", j + 1, fractions[j] < 1 ? fmt::format(" ({:.0f} %)", 100 * fractions[j]) : "");
         fmt::print("body: {} of {}; the other lobes are the highlight\n",
                    body_lobes.empty() ? "none" : "lobe" + body_lobes, fractions.size());
-        if (const auto at = result->provenance.find("limited"); at != result->provenance.end())
-            fmt::print("limited: {}\n", at->second);
+        if (const auto entry = result->provenance.find("limited"); entry != result->provenance.end())
+            fmt::print("limited: {}\n", entry->second);
     }
     return write(std::move(result), input, output);
 }

@@ -267,11 +267,11 @@ inline py::tuple reading(const PyBrdf& brdf) {
 }
 /// The inverse of `file_bytes` and `reading`.
 inline PyBrdf unpickled(const std::string& bytes, const py::tuple& reading) {
-    const auto all = std::as_bytes(std::span(bytes));
-    if (reading.empty()) return PyBrdf(required(read_model(all, "pickled BRDF")));
+    const auto content = std::as_bytes(std::span(bytes));
+    if (reading.empty()) return PyBrdf(required(read_model(content, "pickled BRDF")));
     Origin origin{
         reading[0].cast<std::string>(),
-        {all.begin(), all.end()},
+        {content.begin(), content.end()},
         {reading[1].cast<std::string>(), quantity_named(reading[2].cast<std::string>()), reading[3].cast<float>()},
         reading[4].cast<std::optional<bool>>()};
     return origin.isotropic ? brdf_of_arrays(std::move(origin)) : required(brdf_of_file(std::move(origin)));

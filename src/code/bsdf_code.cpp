@@ -246,16 +246,16 @@ Result<std::string> print_functions(const Caller& caller, Program program, const
     names["light_pdf"] = caller.name + "_pdf";
     names["directional_albedo"] = caller.name + "_albedo";
     syntax::Printer printer(language, names);
-    std::string all;
+    std::string definitions;
     Result<Done> distinct = Done{};
     const auto add = [&](const auto& definition) {
         if (distinct) distinct = defined.add(names.at(definition.name), caller.name);
-        all += printer.text(definition) + "\n";
+        definitions += printer.text(definition) + "\n";
     };
     for (const auto& table : program.tables) add(table);
     for (std::size_t i = known; i < program.functions.size(); ++i) add(program.functions[i]);
     if (!distinct) return distinct.error();
-    return all;
+    return definitions;
 }
 
 PartModels part_models(const NamedModel& named, bool sampling) {

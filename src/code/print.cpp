@@ -417,10 +417,10 @@ std::string Printer::text(const Table& table) {
 std::string Printer::native_text(const std::string& native) const {
     std::string text;
     for (std::size_t begin = 0; begin < native.size();) {
-        const std::size_t at = std::min(native.find('@', begin), native.size()), end = native.find('@', at + 1);
-        text += native.substr(begin, at - begin);
-        if (at < native.size()) text += printed_name(native.substr(at + 1, end - at - 1));
-        begin = at < native.size() ? end + 1 : at;
+        const std::size_t mark = std::min(native.find('@', begin), native.size()), end = native.find('@', mark + 1);
+        text += native.substr(begin, mark - begin);
+        if (mark < native.size()) text += printed_name(native.substr(mark + 1, end - mark - 1));
+        begin = mark < native.size() ? end + 1 : mark;
     }
     return text;
 }

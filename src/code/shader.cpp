@@ -126,16 +126,16 @@ Proposals propose_parts(const Evaluate& bsdf, const ProposeOptions& options) {
 }
 
 ProposalNumbers proposal_numbers(const Proposals& proposals) {
-    ProposalNumbers all;
+    ProposalNumbers packed;
     for (const MixtureProposal& proposal : proposals.by_part) {
         for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
             const std::vector<float> numbers = node_numbers(proposal, node, true);
-            all.nodes.insert(all.nodes.end(), numbers.begin(), numbers.end());
-            all.nodes.resize(all.nodes.size() + std::size_t(4 * k_node_vectors) - numbers.size());
+            packed.nodes.insert(packed.nodes.end(), numbers.begin(), numbers.end());
+            packed.nodes.resize(packed.nodes.size() + std::size_t(4 * k_node_vectors) - numbers.size());
         }
-        all.grains.push_back({proposal.cosine, proposal.sine});
+        packed.grains.push_back({proposal.cosine, proposal.sine});
     }
-    return all;
+    return packed;
 }
 
 namespace {

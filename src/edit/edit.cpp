@@ -157,7 +157,7 @@ Result<PmModel> in_halves(const PmModel& model, const char* where) {
 std::map<std::string, std::string> origin(const Model& model) {
     std::map<std::string, std::string> kept{{"generator", "srbf " SRBF_VERSION}};
     for (const char* key : {"source", "exchanged", "max_theta", "edits"})
-        if (const auto at = model.provenance.find(key); at != model.provenance.end()) kept.insert(*at);
+        if (const auto entry = model.provenance.find(key); entry != model.provenance.end()) kept.insert(*entry);
     return kept;
 }
 

@@ -308,22 +308,22 @@ std::span<const FitOptionRow> fit_options() {
 }
 
 const FitOptionRow& fit_option(std::string_view name) {
-    const auto all = fit_options();
-    const auto at = std::ranges::find(all, name, &FitOptionRow::name);
-    if (at == all.end()) misused("an unknown option of fits");
-    return *at;
+    const auto options = fit_options();
+    const auto option = std::ranges::find(options, name, &FitOptionRow::name);
+    if (option == options.end()) misused("an unknown option of fits");
+    return *option;
 }
 
 Result<FitRequest> fit_request(const FitTexts& texts, const Spelling& spelling) {
     const Spelling spelled = spelling ? spelling : [](Text name) { return std::string(name); };
     FitRequest request;
     for (const FitOptionRow& option : fit_options()) {
-        const auto at = texts.find(option.name);
+        const auto given = texts.find(option.name);
         const bool is_read = option.models.empty() || std::ranges::count(option.models, model_name(request)) > 0;
-        if (at == texts.end() || !is_read || option.set(request, at->second)) continue;
+        if (given == texts.end() || !is_read || option.set(request, given->second)) continue;
         const bool is_first = &option == &fit_option(option.name);
         const std::string with = is_first ? "" : fmt::format(" with {} {}", spelled("model"), model_name(request));
-        return wrong(spelled(option.name), option.expected + with, at->second);
+        return wrong(spelled(option.name), option.expected + with, given->second);
     }
     for (const auto& [name, text] : texts)
         if (const auto reads = check_reads(name, model_name(request), spelled); !reads) return reads.error();

@@ -23,13 +23,13 @@ bool Observations::is_grey() const {
     return std::ranges::all_of(f, [](const Rgb& value) { return value.r == value.g && value.g == value.b; });
 }
 
-void Observations::append(const Observations& more) {
+void Observations::append(const Observations& added) {
     const auto extend = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-    extend(wl, more.wl);
-    extend(wv, more.wv);
-    extend(f, more.f);
-    extend(weight, more.weight);
-    if (!wavelengths.empty()) extend(spectrum, more.spectrum);
+    extend(wl, added.wl);
+    extend(wv, added.wv);
+    extend(f, added.f);
+    extend(weight, added.weight);
+    if (!wavelengths.empty()) extend(spectrum, added.spectrum);
 }
 
 void Observations::swap_rows(std::size_t i, std::size_t k) {

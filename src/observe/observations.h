@@ -108,7 +108,7 @@ struct Observations {
     /// True if the channels of each colour are equal.
     bool is_grey() const;
     void add(Vec3f l, Vec3f v, const Rgb& value, double value_weight, std::span<const float> value_spectrum = {});
-    void append(const Observations& more);  ///< adds the pairs of `more`; spectra if this has wavelengths
+    void append(const Observations& added);  ///< appends its pairs; spectra if this has wavelengths
     void swap_rows(std::size_t i, std::size_t k);
     void shuffle(std::mt19937_64& random);
     void resize(std::size_t count);  ///< keeps the first `count`

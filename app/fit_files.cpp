@@ -150,7 +150,7 @@ int fit_files(const FolderJob& folder) {
     for (const std::string& input : folder.inputs) {
         FolderFile material;
         material.name = system_files::stem(input);
-        material.fit = folder.each;
+        material.fit = folder.common;
         material.fit.input = input;
         material.fit.files = {input};
         material.fit.output = in_folder(folder.folder, material.name + ".srbf");
@@ -165,8 +165,8 @@ int fit_files(const FolderJob& folder) {
         materials.push_back(std::move(material));
     }
     // While there are enough fits, each runs on one thread.
-    const int cores = folder.each.request.threads > 0 ? folder.each.request.threads
-                                                      : int(std::max(std::thread::hardware_concurrency(), 1u));
+    const int cores = folder.common.request.threads > 0 ? folder.common.request.threads
+                                                        : int(std::max(std::thread::hardware_concurrency(), 1u));
     const int jobs = jobs_within_memory(std::min(std::size_t(cores), materials.size()));
     for (FolderFile& material : materials) material.fit.request.threads = std::max(cores / jobs, 1);
 

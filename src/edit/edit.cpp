@@ -18,7 +18,7 @@ namespace {
 
 constexpr int k_lobes_of_coat = 3, k_bounded_azimuths = 5;
 /// An edit whose albedo would exceed the limit by this factor is marked as limited.
-constexpr double k_noted_excess = 1.001;
+constexpr double k_min_stated_excess = 1.001;
 template <typename... F> struct Cases : F... { using F::operator()...; };
 
 std::string text(const Rgb& colour) { return fmt::format("{:g},{:g},{:g}", colour.r, colour.g, colour.b); }
@@ -206,7 +206,7 @@ Result<Model> edit_model(const Model& model, std::span<const Edit> edits, const 
         Editor editor{options, bound};
         auto next = std::visit([&](const auto& chosen) { return editor(now, chosen); }, edit);
         if (!next) return next.error();
-        if (const double asked = std::max(editor.asked, bound.excess(evaluator(*next))); asked > k_noted_excess)
+        if (const double asked = std::max(editor.asked, bound.excess(evaluator(*next))); asked > k_min_stated_excess)
             add(result.provenance["limited"],
                 fmt::format("{}, with an albedo of {:.3g}, to {}", text(edit), limit * asked,
                             editor.done.empty() ? fmt::format("an albedo of {:.3g}", limit) : editor.done));

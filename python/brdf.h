@@ -68,6 +68,10 @@ class PyBrdf {
             },
             *content_);
     }
+    Channels channels() const {
+        if (model()) return srbf::channels(*model());
+        return wavelengths(*measured()).empty() ? rgb_channels(evaluate()) : spectra(*measured());
+    }
     const PreparedBrdf& prepared() const {
         return front_->get(*this,
                            [](const auto& brdf, const ProposeOptions& options) { return prepare(brdf, options); });
@@ -116,10 +120,7 @@ inline Array values_of(const PyBrdf& brdf, const Array& wl, const Array& wv) {
 inline Array channels_of(const PyBrdf& brdf, const Array& wl, const Array& wv) {
     require_unit(wl, "wl");
     require_unit(wv, "wv");
-    const bool is_of_colours = !brdf.model() && wavelengths(*brdf.measured()).empty();
-    const Channels channels = is_of_colours  ? rgb_channels(brdf.evaluate())
-                              : brdf.model() ? srbf::channels(*brdf.model())
-                                             : spectra(*brdf.measured());
+    const Channels channels = brdf.channels();
     const std::size_t channel_count = channels.count();
     Array f({py::ssize_t(rows(wl)), py::ssize_t(channel_count)});
     const auto l = span_of<Vec3f>(wl), v = span_of<Vec3f>(wv);

@@ -68,9 +68,8 @@ std::string uniform_name(const Model& model) { return fmt::format("{}_numbers", 
 
 /// The text that a material adds to the kernel's text.
 const char* kernel_text(const Material& material) {
-    return std::holds_alternative<PmModel>(material)   ? k_pm_text
-           : std::holds_alternative<SuModel>(material) ? k_su_text
-                                                       : "";
+    if (std::holds_alternative<PmModel>(material)) return k_pm_text;
+    return std::holds_alternative<SuModel>(material) ? k_su_text : "";
 }
 /// The code that precedes material.glsl.
 template <typename M> std::string value_code(const M&) { return {}; }

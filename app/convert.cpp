@@ -25,11 +25,11 @@ struct ConvertCommand {
 };
 
 std::string description_of(const LoadedFile& subject) {
-    const auto* measured = std::get_if<Measured>(&subject.content);
-    if (measured && std::holds_alternative<ScatteredSamples>(measured->table))
-        return std::get<ScatteredSamples>(measured->table).description;
-    if (measured && std::holds_alternative<BsdfTable>(measured->table))
-        if (const auto& name = std::get<BsdfTable>(measured->table).description; !name.empty()) return name;
+    if (const auto* measured = std::get_if<Measured>(&subject.content)) {
+        if (const auto* samples = std::get_if<ScatteredSamples>(&measured->table)) return samples->description;
+        const auto* bsdf = std::get_if<BsdfTable>(&measured->table);
+        if (bsdf && !bsdf->description.empty()) return bsdf->description;
+    }
     return system_files::stem(subject.path);
 }
 

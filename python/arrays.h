@@ -1,5 +1,4 @@
-// Arrays and errors between Python and the library. Arrays are contiguous and of float32. Those of directions and
-// colours have the shape [n, 3].
+// Arrays and errors between Python and the library. Arrays are contiguous float32; directions and colours are [n, 3].
 #pragma once
 #include <pybind11/numpy.h>
 

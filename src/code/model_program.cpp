@@ -132,9 +132,8 @@ std::string numbers_code(const SuModel& model, Program& program) {
         "int su_nearest(SuNearest nearest, int k) {{ return 0; }}\n"
         "int su_lobes(Su su) {{ return {0}; }}\n"
         "int su_views(Su su) {{ return {1}; }}\n"
-        "Vec3 su_direction(Su su, int view) {{ return Vec3(number[{2} * view], number[{2} * view + 1], number[{2} * "
-        "view + "
-        "2]); }}\n"
+        "Vec3 su_direction(Su su, int view) {{ return Vec3(number[{2} * view], number[{2} * view + 1], "
+        "number[{2} * view + 2]); }}\n"
         "Vec3 su_coefficient(Su su, int view, int j) {{ return Vec3({3}, {4}, {5}); }}\n"
         "Real su_bandwidth(Su su, int view, int j) {{ return {6}; }}\n"
         "Vec3 su_centre(Su su, int view, int j) {{ return Vec3({7}, {8}, {9}); }}\n",

@@ -174,8 +174,7 @@ bool is_of_lanes(const Expression& condition) {
     return condition.kind == EKind::binary && condition.parts[0].type.name == "Real";
 }
 
-/// Breaks a line before column `k_columns` at blanks whose preceding character `may_break` accepts. The next line
-/// begins with `indent`.
+/// Breaks a line before column `k_columns` at blanks after characters that `may_break` accepts, and indents the rest.
 template <typename MayBreak>
 std::string break_line(std::string line, const std::string& indent, const MayBreak& may_break) {
     std::string text;

@@ -57,11 +57,10 @@ std::string macros(const BsdfTables& tables) {
     return fmt::format("#define MERL_SIZE vec3({}.0, {}.0, {}.0)\n", p, d, h) + beam_macros(tables.beam);
 }
 
-template <typename M, typename... Types>
-concept NoneOf = !(std::same_as<M, Types> || ...);
 /// A model of few numbers, which are a uniform that its formula reads.
 template <typename M>
-concept OfFewNumbers = NoneOf<M, Flat, MerlTable, BsdfTables, PmModel, SuModel, BsdfModel>;
+concept OfFewNumbers = !(std::same_as<M, Flat> || std::same_as<M, MerlTable> || std::same_as<M, BsdfTables> ||
+                         std::same_as<M, PmModel> || std::same_as<M, SuModel> || std::same_as<M, BsdfModel>);
 template <OfFewNumbers M> std::string macros(const M&) { return "#define VALUE model_value(wl, wv)\n"; }
 
 std::string uniform_name(const Model& model) { return fmt::format("{}_numbers", kind(model)); }

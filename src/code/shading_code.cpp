@@ -68,8 +68,7 @@ std::string kind_text(const Model& model) {
 /// Describes a model: its name, kind, size and provenance.
 std::string describe_model(const NamedModel& named) {
     const Model& model = *named.model;
-    std::string text = named.name + ": " + kind_text(model);
-    text += fmt::format(", {} bytes.", payload_bytes(model));
+    std::string text = fmt::format("{}: {}, {} bytes.", named.name, kind_text(model), payload_bytes(model));
     for (const auto& [key, value] : model.provenance) text += fmt::format("\n  {}", printable(key + " " + value));
     return text;
 }

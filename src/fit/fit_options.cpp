@@ -55,8 +55,8 @@ FitOptionRow or_word(FitOptionRow option, Text word, void (*set)(FitRequest&)) {
 }
 
 /// One of some words, which `set` stores unless it knows no such word.
-template <typename Words> FitOptionRow word(FitOptionRow option, const Words& words, bool (*set)(FitRequest&, Text)) {
-    option.choices.assign(std::begin(words), std::end(words));
+FitOptionRow word(FitOptionRow option, const std::vector<Text>& words, bool (*set)(FitRequest&, Text)) {
+    option.choices.assign(words.begin(), words.end());
     option.expected = fmt::format("{}", fmt::join(option.choices, " or "));
     option.set = set;
     return option;
@@ -199,11 +199,10 @@ std::vector<FitOptionRow> options_of_lobes() {
 }
 
 std::vector<FitOptionRow> options_of_views() {
-    using Words = std::vector<Text>;
     return {
         word({"discretise", k_of_su, "view|light", "The sampled direction; lobes are functions of the other one",
               preset(name(k_su.discretise))},
-             Words{"view", "light"},
+             {"view", "light"},
              [](FitRequest& r, Text text) { return store(discretise_named(text), su(r).discretise); }),
         number<int>(
             {"directions", k_of_su, "N",
@@ -218,7 +217,7 @@ std::vector<FitOptionRow> options_of_views() {
                     [](FitRequest& r, int n) { su(r).interpolation = SuInterpolation::plain, su(r).neighbours = n; }),
                 "rotated", [](FitRequest& r) { su(r).interpolation = SuInterpolation::rotated; }),
         word({"with_index", k_of_su, "cube|parabolic", "Store an index texture, the samples nearest to each direction"},
-             Words{"cube", "parabolic"}, [](FitRequest& r, Text text) { return store(map_named(text), su(r).index); }),
+             {"cube", "parabolic"}, [](FitRequest& r, Text text) { return store(map_named(text), su(r).index); }),
     };
 }
 
@@ -229,7 +228,7 @@ std::vector<FitOptionRow> further_options() {
               .about = "rgb: colours; spectral: lobes with a coefficient for each wavelength of the measurement",
               .preset = "rgb",
               .needed_for_patches = [](const FitRequest& r) -> Text { return r.spectral ? "rgb" : ""; }},
-             std::vector<Text>{"rgb", "spectral"},
+             {"rgb", "spectral"},
              [](FitRequest& r, Text text) {
                  r.spectral = text == "spectral";
                  return r.spectral || text == "rgb";

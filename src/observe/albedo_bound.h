@@ -53,8 +53,7 @@ class AlbedoBound {
 
 /// `model` with lobes lowered until its albedo is within the limit, for a fit that still exceeds it. In the view with
 /// the largest albedo, the lobe that has the largest fraction of its own albedo there is lowered, and so on. So a lobe
-/// that rises only at the horizon does not darken the others. An albedo near the limit is also checked between the
-/// views.
+/// that rises only at the horizon does not darken the others. Near the limit, views between are checked as well.
 PmModel limit_albedo(const AlbedoBound& bound, PmModel model);
 
 }  // namespace

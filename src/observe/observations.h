@@ -32,15 +32,13 @@ inline double albedo_error_of_noise(double noise) {
     const double ratio = k_noise_of_least_albedo_error / noise, square = ratio * ratio;
     return std::clamp(square * square * k_albedo_error_of_noise, k_albedo_error_of_noise, k_albedo_error_with_pixels);
 }
-/// Upper limit of the loss that scales the cost of albedos: a fit that cannot follow the data gains nothing from an
-/// albedo that is right by chance.
+/// Upper limit of the loss that scales the cost of albedos: a bad fit gains nothing from an albedo right by chance.
 inline constexpr double k_max_albedo_loss = 0.004;
 /// Errors of albedos near the horizon are relative to at least this value: few pixels show them. With smaller
 /// values (0.3 to 0.5) ΔE_ITP rose.
 inline constexpr double k_horizon_albedo = 1;
 
-/// View by view: an error of 1 % in the radiances under all four lights of a view costs 1e-4 times this value in
-/// each of three channels.
+/// View by view: an error of 1 % in the radiances under a view's four lights costs 1e-4 times this in each channel.
 inline constexpr double k_lights_of_view = 12;
 /// View by view: the cost per solid angle of directions between the matrix's directions, relative to the latter.
 inline constexpr double k_between_views_directions = 0.1;
@@ -67,8 +65,7 @@ inline double luminance(const ObservedIntegral& integral) {
     return sum;
 }
 
-/// A pixel of a displayed picture, where 1 is white: Σ_i weight_i f(wl_i, wv_i), over the directions of its view
-/// from index `first` on.
+/// A pixel of a displayed picture, where 1 is white: Σ_i weight_i f(wl_i, wv_i) over its view's directions from `first`.
 struct ObservedPixel {
     std::size_t lighting = 0;  ///< index of the picture
     std::size_t first = 0;

@@ -27,8 +27,7 @@ struct ObjectiveTraits {
     double (*response)(double f, double typical, double cos_l) = nullptr;
     double (*response_slope)(double f, double typical, double cos_l) = nullptr;
     /// True for values over decades, where a sample on the flank of a peak determines its width. Lobes may be narrower
-    /// than the spacing of the samples, and between samples a fit follows microfacets (`FacetMixture`), not
-    /// interpolated values.
+    /// than the spacing of samples, between which a fit follows microfacets (`FacetMixture`), not interpolated values.
     bool is_for_scatter = false;
     /// true if weights are relative to f cosθl, the radiance under a directional light, and extended lights are observed
     bool uses_pictures = false;

@@ -9,9 +9,8 @@
 
 namespace SRBF_NAMESPACE {
 
-/// The data of a fit, and its loss: the mean of ρ(ΔE_ITP) over pixels (see `Pixels`) plus Σ w |f − f̂|² over pairs,
-/// which are used if no pictures are observed or if they are added. The outputs of a model are the colours of pixels
-/// and the values at pairs.
+/// The data of a fit, and its loss: the mean of ρ(ΔE_ITP) over pixels (see `Pixels`) plus Σ w |f − f̂|² over pairs, if
+/// no pictures are observed or pairs are added. A model's outputs are the colours of pixels and the values at pairs.
 class SurfaceData {
   public:
     using Outputs = Aligned<float>;  ///< blocks with a column for each channel

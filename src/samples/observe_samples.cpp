@@ -21,8 +21,7 @@ constexpr std::size_t k_gap_filled_pairs = 16384, k_fewer_of_gap_filled = 2;
 /// Pairs near the horizon (both directions beyond 66°) in each band of elevation: enough to cover the highlight.
 constexpr std::size_t k_grazing_bands = 8, k_pairs_of_band = 64, k_grazing_tried = 65536;
 constexpr double k_grazing_cos = 0.4;
-/// Fraction of Σ w |f|² for all bands. With less, lobes follow the values less closely; with more, they look worse
-/// elsewhere.
+/// Fraction of Σ w |f|² for all bands. With less, lobes follow the values less closely; with more, others look worse.
 constexpr double k_grazing_fraction = 0.6;
 /// The gap-filled samples are constant at the level of the largest sample, except for rounding.
 constexpr double k_level = 0.999;

@@ -39,8 +39,7 @@ struct SampleObservations {
     ObserveSamplesOptions options;
     Observations samples;  ///< the samples within θmax
     /// The samples with gaps filled, in colours, observed like a table: by GGX, or by a `FacetMixture` for an objective
-    /// of scatter. The samples themselves are added with the same total weight, and pairs near the horizon. Empty if
-    /// gaps are not filled.
+    /// of scatter, with the samples at the same total weight, and pairs near the horizon. Empty if gaps are not filled.
     Observations gap_filled_table;
     std::optional<GapFilledSamples> gap_filled;  ///< the gap-filled samples that were observed
 };

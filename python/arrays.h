@@ -1,5 +1,4 @@
-// Arrays and errors between Python and the library. Arrays are contiguous and of float32. Those of directions and
-// colours have the shape [n, 3].
+// Arrays and errors between Python and the library. Arrays are contiguous float32; directions and colours are [n, 3].
 #pragma once
 #include <pybind11/numpy.h>
 
@@ -56,8 +55,7 @@ template <typename T> T required(Result<T> result) {
     return *std::move(result);
 }
 
-/// The first row that is not a unit vector; w.size() if all are. The square of the length may differ from 1 by less
-/// than 1e-3.
+/// The first row that is not a unit vector; w.size() if all are. The squared length differs from 1 by less than 1e-3.
 inline std::size_t first_not_unit(std::span<const Vec3f> w) {
     const auto is_wrong = [&](std::size_t i) { return !(std::abs(dot(w[i], w[i]) - 1) < 1e-3f); };
     constexpr std::size_t block = 1024;

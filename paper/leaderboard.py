@@ -179,7 +179,10 @@ def plot(rows):
     width, height, left, top = 760, 360, 50, 20
     step = (width - left - 20) / max(len(order), 1)
     low, high = 0.2, max(50, *(float(row["delta_e_itp"]) for row in rows))
-    y = lambda error: top + (height - top - 30) * (1 - np.log(max(error, low) / low) / np.log(high / low))
+
+    def y(error):
+        return top + (height - top - 30) * (1 - np.log(max(error, low) / low) / np.log(high / low))
+
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height + 20}" font-family="sans-serif" font-size="12">',
            '<rect width="100%" height="100%" fill="white"/>']
     for error in (0.2, 0.5, 1, 2, 5, 10, 20, 50):
@@ -190,8 +193,9 @@ def plot(rows):
         for row in rows:
             material = tuple(row[k] for k in KEY[:2])
             if row["model"] == model and material in rank:
-                out.append(f'<circle cx="{left + (order.index(material) + 0.5) * step:.1f}" cy="{y(float(row["delta_e_itp"])):.1f}" r="3" fill="{colour}">'
-                           f'<title>{row["material"]}: {text(float(row["delta_e_itp"]))}</title></circle>')
+                x, error = left + (order.index(material) + 0.5) * step, float(row["delta_e_itp"])
+                out.append(f'<circle cx="{x:.1f}" cy="{y(error):.1f}" r="3" fill="{colour}">'
+                           f'<title>{row["material"]}: {text(error)}</title></circle>')
         x = left + index * 150
         out.append(f'<circle cx="{x + 6}" cy="{height + 4}" r="4" fill="{colour}"/><text x="{x + 16}" y="{height + 8}">{NAMES[model]}</text>')
     out.append(f'<text x="{left}" y="{top - 6}">ΔE_ITP of {len(order)} materials, in the order of {NAMES[first]}</text></svg>')

@@ -116,7 +116,7 @@ def compare_file(page, file, folder):
 
 
 def check_blender_script(page, subject, folder):
-    """Checks that the script for Blender is the program's. Fitted numbers are of the order of 1, and may differ a little."""
+    """Checks that the script for Blender is the program's. Fitted numbers, of the order of 1, may differ a little."""
     begun = time.time()
     ours = page.chromium.run("app.save_as('blender', '').then((content) => content.text())")
     seconds, path = time.time() - begun, folder / "program.py"
@@ -228,7 +228,8 @@ def check_damaged_files(page, folder):
         if "unknown format" in message:
             kind = kinds.get(name, "a file of another kind")
             message = f"{name}: this is {kind}; drop a measurement, a model or an .hdr"
-        message, failure = re.sub(", or one of them as .* in --columns", "", message), state["failure"]  # without options
+        message = re.sub(", or one of them as .* in --columns", "", message)  # the page has no options
+        failure = state["failure"]
         check(failure == message or name == "cut.hdr", f"{name}: the page says {failure!r}, not {message!r}")
         check(page.call("edited_state") == before, f"{name}: it takes away what was there")
         check("\n" not in failure and len(failure) < 500, f"{name}: not one line")

@@ -120,10 +120,14 @@ def draw_equal_time(materials, to):
         add(i, 0, visible_error.displayed(noisy[..., :3], exposed), f"{label}:\n{paths} paths in equal time, noise {100 * noise:.0f} %")
         apart = np.linalg.norm(np.subtract(*(visible_error.itp(np.clip(exposed * picture, 0, 1))
                                              for picture in (converged[i, ..., :3], file))), axis=-1)
-        print(f"{label}: {1e6 * seconds[i] / (SIZE * SIZE * PATHS):.2f} us, {paths} paths, noise {noise:.3f}, visible error {apart.mean():.1f}", flush=True)
-        grey = np.repeat(255 - 255 * np.minimum(apart / DARKEST, 1), 3).reshape(SIZE, SIZE, 3).astype(np.uint8)
-        add(i, 1, grey if i else visible_error.displayed(file, exposed),
-            f"its visible error without noise:\nmean {apart.mean():.1f}, black {DARKEST} or more" if i else f"measured, after\n{CONVERGED * PATHS} paths: almost no noise")
+        print(f"{label}: {1e6 * seconds[i] / (SIZE * SIZE * PATHS):.2f} us, {paths} paths, noise {noise:.3f}, "
+              f"visible error {apart.mean():.1f}", flush=True)
+        if i == 0:
+            text = f"measured, after\n{CONVERGED * PATHS} paths: almost no noise"
+            add(i, 1, visible_error.displayed(file, exposed), text)
+            continue
+        errors = np.repeat(255 - 255 * np.minimum(apart / DARKEST, 1), 3).reshape(SIZE, SIZE, 3).astype(np.uint8)
+        add(i, 1, errors, f"its visible error without noise:\nmean {apart.mean():.1f}, black {DARKEST} or more")
     sheet.save(to, quality=50, optimize=True)
 
 
@@ -140,7 +144,8 @@ def main():
                 draw_equal_time(materials, to)
                 continue
             for lights in ("window", "environment"):
-                print(f"{pathlib.Path(file).stem}, {lights}: us of one vertex, of five, variance of bright, of all, x us, x us, mean, distance")
+                print(f"{pathlib.Path(file).stem}, {lights}: us of one vertex, of five, variance of bright, of all, x us, x us, "
+                      "mean, distance")
                 compare(materials, lights)
 
 

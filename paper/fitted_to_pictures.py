@@ -1,8 +1,8 @@
 """Fits models of brdf_families.py by the default objective of `srbf`, so that a comparison is one of forms and not of losses.
 
 The loss is that of docs/fitting.md with its weights: pairs, albedos, and pixels of the same pictures. It has no overshoots, and nothing
-beyond 89°. As by default, values are those of the reciprocal mean, and pixels of the fit choose among the starts: sixteen are improved by a
-quarter of the data, four of them by all, then two and one.
+beyond 89°. As by default, values are those of the reciprocal mean, and pixels of the fit choose among the starts: sixteen are
+improved by a quarter of the data, four of them by all, then two and one.
 """
 import pathlib
 import sys

@@ -97,7 +97,8 @@ def fitted(model, name, measured, arguments, work):
         layers = stand_ins.network_of(arguments.networks, name)
         return layers and (compare_models.network(layers), 4 * 675, 0, None)
     if model == "nps":
-        return compare_models.decode(arguments.codes, name, work), 4 * 7, os.path.getsize(os.path.join(arguments.codes, "decoder.f32")), None
+        shared = os.path.getsize(os.path.join(arguments.codes, "decoder.f32"))
+        return compare_models.decode(arguments.codes, name, work), 4 * 7, shared, None
     if model in classic_brdfs.MODELS:
         return *classic_brdfs.fit(measured, model), 0, None
     fit = srbf.fit(measured, **compare_models.FITS[model])
@@ -197,7 +198,8 @@ def plot(rows):
                 out.append(f'<circle cx="{x:.1f}" cy="{y(error):.1f}" r="3" fill="{colour}">'
                            f'<title>{row["material"]}: {text(error)}</title></circle>')
         x = left + index * 150
-        out.append(f'<circle cx="{x + 6}" cy="{height + 4}" r="4" fill="{colour}"/><text x="{x + 16}" y="{height + 8}">{NAMES[model]}</text>')
+        out.append(f'<circle cx="{x + 6}" cy="{height + 4}" r="4" fill="{colour}"/>'
+                   f'<text x="{x + 16}" y="{height + 8}">{NAMES[model]}</text>')
     out.append(f'<text x="{left}" y="{top - 6}">ΔE_ITP of {len(order)} materials, in the order of {NAMES[first]}</text></svg>')
     return "\n".join(out) + "\n"
 
@@ -206,9 +208,10 @@ def write_page(folder, results, measured):
     rows = list(results.values())
     databases = sorted({row["database"] for row in rows})
     parts = ["# Leaderboard",
-             "Every measurement is fitted by each model without options. *ΔE_ITP* is the mean visible error of pictures of a sphere "
-             "under eight lightings, and *worst light* that of the worst of them; 1 is just noticeable. PSNR is better if larger, all others if "
-             "smaller. *Bytes* are the numbers of one material.", "![ΔE_ITP of each material](picture.svg)", summary(rows)]
+             "Every measurement is fitted by each model without options. *ΔE_ITP* is the mean visible error of pictures of a "
+             "sphere under eight lightings, and *worst light* that of the worst of them; 1 is just noticeable. PSNR is better if "
+             "larger, all others if smaller. *Bytes* are the numbers of one material.",
+             "![ΔE_ITP of each material](picture.svg)", summary(rows)]
     if len(databases) > 1:
         for database in databases:
             parts += [f"## {database}", summary([row for row in rows if row["database"] == database])]
@@ -218,15 +221,15 @@ def write_page(folder, results, measured):
             model_rows = [row for row in measured.values() if row["model"] == model]
             means = [text(statistics.fmean(float(row[key]) for row in model_rows)) for key in PROTOCOLS[4:]]
             lines.append([NAMES[model], str(len(model_rows)), *means])
+        environments = ", ".join(sorted({row["environment"] for row in measured.values()}))
         parts += ["## By the measures of publications", f"Means. A sphere of {SPHERE} × {SPHERE} pixels and {PATHS:,} paths under "
-                  f"{', '.join(sorted({row['environment'] for row in measured.values()}))}, display values; and {PAIRS:,} pairs of cosine-weighted "
-                  "directions.", table(["model", "materials", "MAE", "PSNR, dB", "MAE of f", "SMAPE of f"], lines)]
-    names = models_in(rows)
-    by = {}
+                  f"{environments}, display values; and {PAIRS:,} pairs of cosine-weighted directions.",
+                  table(["model", "materials", "MAE", "PSNR, dB", "MAE of f", "SMAPE of f"], lines)]
+    names, errors = models_in(rows), {}
     for row in rows:
-        by.setdefault((row["database"], row["material"]), {})[row["model"]] = text(float(row["delta_e_itp"]))
-    parts += ["## Materials", table(["database", "material", *(NAMES[name] for name in names)],
-                                      [[*material, *(errors.get(name, "") for name in names)] for material, errors in sorted(by.items())])]
+        errors.setdefault((row["database"], row["material"]), {})[row["model"]] = text(float(row["delta_e_itp"]))
+    lines = [[*material, *(by_model.get(name, "") for name in names)] for material, by_model in sorted(errors.items())]
+    parts += ["## Materials", table(["database", "material", *(NAMES[name] for name in names)], lines)]
     with open(os.path.join(folder, "README.md"), "w", encoding="utf-8") as file:
         file.write("\n\n".join(parts) + "\n")
     with open(os.path.join(folder, "picture.svg"), "w", encoding="utf-8") as file:

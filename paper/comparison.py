@@ -188,8 +188,7 @@ EQUAL_BYTES_LABELS = {"srbf-4": "srbf, 4 lobes", "gtr-6-pictures": "6 GTR lobes"
 
 
 def equal_bytes_table(rows):
-    """Means of all measures over the measurements, for models of similar sizes, and the median of squared errors, because one file
-    determines their mean."""
+    """Means of all measures for models of similar sizes, and the median of squared errors, whose mean one file determines."""
     names, values = [], []
     for model, name in EQUAL_BYTES_LABELS.items():
         model_rows = rows_of_model(rows, model)

@@ -239,8 +239,7 @@ struct Map {
     std::vector<EnvironmentDraw> draws;
 };
 /// ∫ f cosθl L dω towards the viewer, in the mean over a pixel's points, by samples of the BRDF and of the environment
-/// with the balance heuristic (Veach & Guibas 1995). The points of a pixel share one sequence, whose start differs by
-/// pixel.
+/// with the balance heuristic (Veach & Guibas 1995). The points of a pixel share one sequence.
 Rgb reflected(const Pixel& pixel, const PreparedBrdf& brdf, const Map& map, const Frame& to_map) {
     std::array<double, 3> sum{};
     const auto add = [&](double weight, const Rgb& reflectance, const Rgb& light) {

@@ -91,8 +91,7 @@ def models_of(path, arguments):
 
 
 def fitted(model, name, measured, arguments, work):
-    """The BRDF or function, its bytes, the bytes that all materials share, and the errors if they are known; None if there is no such
-    fit."""
+    """The BRDF or function, its bytes, the bytes that all materials share, and known errors; None if there is no such fit."""
     if model == "nbrdf":
         layers = stand_ins.network_of(arguments.networks, name)
         return layers and (compare_models.network(layers), 4 * 675, 0, None)

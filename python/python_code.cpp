@@ -30,8 +30,7 @@ std::string python_name(const std::string& name) {
     return name;
 }
 
-/// Puts everything but names and numbers in parentheses: & and |, which join comparisons of arrays, bind more tightly
-/// than these.
+/// Puts all but names and numbers in parentheses: & and | bind more tightly than the comparisons that they join.
 std::string expression_code(const Expression& expression, const Program& program) {
     const auto part = [&](std::size_t i) { return expression_code(expression.parts[i], program); };
     switch (expression.kind) {

@@ -444,8 +444,7 @@ function wait_for_card(buffer = null) {
   gl.readPixels(0, 0, 1, 1, gl.RGBA, buffer ? gl.FLOAT : gl.UNSIGNED_BYTE, new (buffer ? Float32Array : Uint8Array)(4));
 }
 const pixels_of = (pictures) => pictures.reduce((sum, { width, height }) => sum + width * height, 0);
-// The initial resolution of a new picture, relative to the page's pixels: lower under an environment if samples are slow.
-// Edits choose their own resolution.
+// The initial resolution of a new picture without edits, relative to the page's pixels: lower under an environment if samples are slow.
 function initial_size({ is_quick, pictures }) {
   if (is_quick || samples > 0 || !pictures.length || !pictures[0].scene.around) return 1;
   if (pictures.some(({ subject }) => descriptions[subject]?.edit)) return 1;

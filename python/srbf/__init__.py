@@ -492,8 +492,7 @@ def code(models: Union[Model, Mapping[str, Model]], to: Union[Language, HostMate
 
 
 def png(picture: npt.ArrayLike) -> bytes:
-    """Linear values [height, width, 3] as a PNG file in sRGB. Values outside [0, 1] are clipped. Multiply a picture of `render` by an
-    exposure first."""
+    """Linear values [height, width, 3], clipped to [0, 1], as a PNG file in sRGB. Pictures of `render` need an exposure first."""
     linear = _numbers(picture, "picture")
     if linear.ndim != 3 or linear.size == 0:
         raise ValueError(f"picture: expected shape [height, width, 3], found {list(linear.shape)}")

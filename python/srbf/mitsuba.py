@@ -186,8 +186,7 @@ def _compiled_bsdf(base: Any) -> Any:
 
 def _array_bsdf(base: Any) -> Any:
     class ArrayBSDF(base):
-        """Uses the printed formulas, on arrays. Samples keep the mixture weights of the loaded model, so that any parameters have the
-        same density."""
+        """Uses the printed formulas, on arrays. Samples keep the density of the loaded model if parameters change."""
 
         def _value(self, si: Any, wo: Any) -> Any:
             f = self.f.brdf(mi.Vector3f(wo), mi.Vector3f(si.wi))

@@ -1,5 +1,4 @@
-// node npm.mjs [PROGRAM]: checks that the package of build/npm fits what the program fits and reports its errors, and that broken files do not
-// stop it.
+// node npm.mjs [PROGRAM]: checks that the package of build/npm fits what the program fits, and that broken files do not stop it.
 // needs: site
 import assert from "node:assert";
 import { execFileSync } from "node:child_process";

@@ -247,21 +247,22 @@ def main():
     options.add_argument("--protocols", action="store_true")
     options.add_argument("--environment", default="studio", metavar="FILE")
     arguments = options.parse_args()
-    folder, files = arguments.output, {"results.csv": RESULTS, "seconds.csv": SECONDS, "protocols.csv": PROTOCOLS}
+    folder, columns = arguments.output, {"results.csv": RESULTS, "seconds.csv": SECONDS, "protocols.csv": PROTOCOLS}
     os.makedirs(folder, exist_ok=True)
-    results, times, measured_by = (read_rows(os.path.join(folder, name), columns) for name, columns in files.items())
+    tables = {name: read_rows(os.path.join(folder, name), columns[name]) for name in columns}
+    results, times, measured_by = tables.values()
 
     def save():
-        for (name, columns), rows in zip(files.items(), (results, times, measured_by)):
+        for name, rows in tables.items():
             if rows:
-                write_rows(os.path.join(folder, name), columns, rows)
+                write_rows(os.path.join(folder, name), columns[name], rows)
 
     if arguments.merge:
         for path in arguments.paths:
             if not os.path.exists(os.path.join(path, "results.csv")):
                 sys.exit(f"{path}: expected a folder with results.csv")
-            for (name, columns), rows in zip(files.items(), (results, times, measured_by)):
-                rows.update(read_rows(os.path.join(path, name), columns))
+            for name, rows in tables.items():
+                rows.update(read_rows(os.path.join(path, name), columns[name]))
     found = [] if arguments.merge else named(measurements(arguments.paths))
     if not arguments.merge and not found:
         sys.exit(f"{arguments.paths[0]}: expected measurements")

@@ -96,20 +96,6 @@ function program_of(vertex, fragment) {
   }
   return programs.get(key);
 }
-// Sets the uniforms that hold the numbers of a material.
-function use_numbers({ program, location }, { block, vectors, vectors_name, nodes, grains, textures, description: { edit } }) {
-  gl.useProgram(program);
-  if (block) gl.uniformBlockBinding(program, gl.getUniformBlockIndex(program, "PmNumbers"), 0);
-  if (vectors) gl.uniform4fv(location(vectors_name), vectors);
-  textures.forEach(({ sampler }, unit) => gl.uniform1i(location(sampler), unit));
-  if (edit) {
-    gl.uniform1fv(location("edited_shares"), edit.shares);
-    gl.uniform2fv(location("edited_roughness"), edit.roughness);
-    gl.uniform1i(location("edited_part"), edit.part);
-  }
-  if (location("mixture_numbers")) gl.uniform4fv(location("mixture_numbers"), nodes);
-  if (location("mixture_grain")) gl.uniform2fv(location("mixture_grain"), grains);
-}
 function new_material(description) {
   const { block, textures = [], text } = description, floats = (numbers) => numbers && new Float32Array(bytes_of(numbers).buffer);
   const material = { description, ...program_of(data.vertex, text), block: null, vectors_name: description.vectors_name };
@@ -151,17 +137,28 @@ function new_mesh(gl, { vertices, triangles, index_bytes }) {
   const type = index_bytes === 2 ? gl.UNSIGNED_SHORT : gl.UNSIGNED_INT;
   return { array, corners: indices.length / index_bytes, type };
 }
-function use_material(index, program, scene) {
-  const { block, textures } = materials[index], { location } = program;
-  use_numbers(program, materials[index]);
-  gl.uniform3fv(location("eye"), scene.eye);
-  gl.uniform3fv(location("light_direction"), scene.directions);
-  gl.uniform3fv(location("light_irradiance"), scene.irradiances);
+// Uses a program with the numbers of a material and the lights of a scene.
+function use_material(index, { program, location }, scene) {
+  const { block, vectors, vectors_name, nodes, grains, textures, description: { edit } } = materials[index];
+  gl.useProgram(program);
   gl.bindBufferBase(gl.UNIFORM_BUFFER, 0, block);
-  textures.forEach(({ bind_point, texture }, unit) => {
+  if (block) gl.uniformBlockBinding(program, gl.getUniformBlockIndex(program, "PmNumbers"), 0);
+  if (vectors) gl.uniform4fv(location(vectors_name), vectors);
+  textures.forEach(({ sampler, bind_point, texture }, unit) => {
+    gl.uniform1i(location(sampler), unit);
     gl.activeTexture(gl.TEXTURE0 + unit);
     gl.bindTexture(bind_point, texture);
   });
+  if (edit) {
+    gl.uniform1fv(location("edited_shares"), edit.shares);
+    gl.uniform2fv(location("edited_roughness"), edit.roughness);
+    gl.uniform1i(location("edited_part"), edit.part);
+  }
+  if (location("mixture_numbers")) gl.uniform4fv(location("mixture_numbers"), nodes);
+  if (location("mixture_grain")) gl.uniform2fv(location("mixture_grain"), grains);
+  gl.uniform3fv(location("eye"), scene.eye);
+  gl.uniform3fv(location("light_direction"), scene.directions);
+  gl.uniform3fv(location("light_irradiance"), scene.irradiances);
 }
 function draw_mesh({ program, location }, scene, shift) {
   gl.useProgram(program);

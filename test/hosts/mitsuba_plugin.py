@@ -47,16 +47,14 @@ def film_of(size):
 
 
 def picture_of(bsdf):
-    def seen_from(origin):
-        return mi.ScalarTransform4f().look_at(origin=origin, target=[0, 0, 0], up=[0, 1, 0])
+    camera = mi.ScalarTransform4f().look_at(origin=[0, 0, lit_sphere.DISTANCE], target=[0, 0, 0], up=[0, 1, 0])
     return np.array(mi.render(mi.load_dict({
         "type": "scene", "integrator": {"type": "direct", "emitter_samples": 1, "bsdf_samples": 0},
         "light": {"type": "directional", "direction": list(-lit_sphere.TO_LIGHT),
                   "irradiance": {"type": "rgb", "value": lit_sphere.IRRADIANCE}},
         "ball": {"type": "sphere", "bsdf": bsdf},
-        "camera": {"type": "perspective", "fov": math.degrees(2 * lit_sphere.HALF_FIELD),
-                   "to_world": seen_from([0, 0, lit_sphere.DISTANCE]), "film": film_of(lit_sphere.SIZE),
-                   "sampler": {"type": "stratified", "sample_count": 16}},
+        "camera": {"type": "perspective", "fov": math.degrees(2 * lit_sphere.HALF_FIELD), "to_world": camera,
+                   "film": film_of(lit_sphere.SIZE), "sampler": {"type": "stratified", "sample_count": 16}},
     })), dtype=float)
 
 

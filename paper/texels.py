@@ -50,8 +50,8 @@ class Blends:
 
     def values(self, texels):
         # Normalised exponential variates are uniform over the simplex. A hash of the texel's number gives them.
-        share = -np.log(uniform(texels, len(self.f)))
-        return np.einsum("tk,kmc->tmc", share / share.sum(axis=1, keepdims=True), self.f)
+        fraction = -np.log(uniform(texels, len(self.f)))
+        return np.einsum("tk,kmc->tmc", fraction / fraction.sum(axis=1, keepdims=True), self.f)
 
 
 class Ggx:

@@ -109,7 +109,7 @@ function show_working(stage) {
   set_shown("working", stage !== "");
   document.querySelector("#working progress").value = 0;
   $("stage").textContent = stage;
-  viewer.rest(stage !== "");
+  viewer.set_resting(stage !== "");
 }
 function show_slices(drawings) {
   set_shown("plots", true);

@@ -9,7 +9,7 @@
 //   draw         `number` of the request; `pictures`, each with `subject` (a material's index, or "difference" of the first two),
 //                width, height, scene; `is_new`: forgets the samples so far; `reset_exposure`: sets a new exposure under an
 //                environment; `is_quick`: starts with the coarsest picture, because another one may follow at once
-//   rest         `is_resting`: take few samples of a picture, because a fit is running
+//   resting      `is_resting`: take few samples of a picture, because a fit is running
 //   lose         for tests: loses the context, or restores it
 // and posts { kind, .. }: picture (subject, image, number), drawn (number, samples, exposure), refused (subject, why), busy
 // (compiling shaders), environment (preparing one), lost, restored.
@@ -317,7 +317,7 @@ vec4 enlarged(sampler2D part) {
                mix(texel(part, first + ivec2(0, 1)), texel(part, first + ivec2(1, 1)), within.x), within.y);
 }
 void main() {
-    vec4 body_texel = enlarged(body); // w is the share of the pixel that the object covers
+    vec4 body_texel = enlarged(body); // w is the fraction of the pixel that the object covers
     vec3 sum = colours[0] * enlarged(highlight).rgb + colours[1] * body_texel.rgb;
     vec3 shown = displayed(sum / max(body_texel.w, 1.0e-3));
     shown = vec3(srgb_transfer(shown.x), srgb_transfer(shown.y), srgb_transfer(shown.z));
@@ -531,7 +531,7 @@ const actions = {
     job = { ...message, size: initial_size(message) };
     draw_soon(0);
   },
-  rest(message) {
+  resting(message) {
     is_resting = message.is_resting;
     if (!is_resting) draw_soon(0);
   },

@@ -419,8 +419,8 @@ for (const button of document.querySelectorAll(".copy"))
   });
 
 // While a fit is running, pictures take only a few samples.
-const rest = (is_resting) => painter?.send({ kind: "rest", is_resting });
+const set_resting = (is_resting) => painter?.send({ kind: "resting", is_resting });
 
 const lose = (is_lost) => painter.send({ kind: "lose", is_lost }); // for tests
-return { start, set_material, set_edit, open_environment, rest, settled, scene, lose, can_preview: () => has_floats };
+return { start, set_material, set_edit, open_environment, set_resting, settled, scene, lose, can_preview: () => has_floats };
 })();

@@ -38,7 +38,7 @@ LAMP = (0.6, -0.5, 0.62)
 ROUND_LAMPS = {"lamp": ((-50, 40), 4), "lamp behind": ((120, 20), 8)}  # azimuth from the viewer and elevation, and radius [degrees]
 FORMULA_WITHIN = 0.5  # ΔE_ITP
 FURNACE_WITHIN = 1.02  # with the noise of paths
-PRINCIPLED_SHARE = 0.6  # of Principled's error, in the mean of the materials
+PRINCIPLED_FRACTION = 0.6  # of Principled's error, in the mean of the materials
 MAPPED = np.array([0.48, -0.64, 0.6])  # the normal of a map, on all of the sphere
 MAP = f"""
 import bpy
@@ -213,7 +213,7 @@ with tempfile.TemporaryDirectory() as folder:
     ours = delta_e(drawn_by_cycles(scene, f"{folder}/n.exr")[inside], drawn(measured, f"{folder}/m.exr")[inside])
     expect(ours < 1.05 * studio_errors[0][0], f"osl: against the measurement {ours:.2f}, nodes {studio_errors[0][0]:.2f}")
 ours, theirs = np.mean(errors, axis=0)
-expect(ours <= PRINCIPLED_SHARE * theirs, f"mean: nodes {ours:.2f}, Principled {theirs:.2f}")
+expect(ours <= PRINCIPLED_FRACTION * theirs, f"mean: nodes {ours:.2f}, Principled {theirs:.2f}")
 if further:
     from PIL import Image
     Image.fromarray(np.concatenate(rows)).save(further[0])

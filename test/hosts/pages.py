@@ -48,7 +48,7 @@ def texels(folder, page):
 
 
 def masks(folder, page):
-    """Three materials, and the share of each in a map of 16 x 8 texels."""
+    """Three materials, and the fraction of each in a map of 16 x 8 texels."""
     import numpy as np
 
     for name, file in [("paper", "paper_white_rgb"), ("film", "cc_ibiza_sunset_rgb"), ("gold", "cc_ibiza_sunset_rgb")]:

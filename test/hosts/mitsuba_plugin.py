@@ -18,7 +18,6 @@ import subprocess
 import sys
 import tempfile
 from importlib.metadata import version
-from pathlib import Path
 
 from support.checks import ROOT, arguments, expect, finish, skip
 

@@ -25,10 +25,16 @@ template <typename T> Check within(T min, T max) {
     return [=](const std::string& text) -> std::string {
         T number{};
         const char* end = text.data() + text.size();
-        const auto [rest, error] = std::from_chars(text.data(), end, number);
-        if (error == std::errc() && rest == end && number >= min && number <= max) return {};
+        const auto [parsed_end, error] = std::from_chars(text.data(), end, number);
+        if (error == std::errc() && parsed_end == end && number >= min && number <= max) return {};
         return fmt::format("expected {} to {}, found {}", min, max, text);
     };
+}
+
+/// Adds --threads; 0 stands for all threads of the machine.
+inline Option add_threads(const Subcommand& sub, int& threads, const std::string& about) {
+    const Option option = sub.add_option("--threads", threads, about).type_name("T");
+    return option.check(within(0, k_max_threads)).capture_default_str();
 }
 
 /// Accepts "x.png", "x.PNG" and names without an extension, such as the name of a pipe.

@@ -12,10 +12,12 @@
 namespace srbf {
 namespace {
 
+constexpr double k_default_max_theta = 80;  // [degrees]
+
 struct CompareCommand {
     std::string reference, other, json;
     ReadOptions read;      // how the reference is read
-    double max_theta = 0;  // [degrees]; 0: θmax of the model, or else 80
+    double max_theta = 0;  // [degrees]; 0: θmax of the model, or else k_default_max_theta
     int threads = 0;
 
     int run() const;
@@ -69,7 +71,9 @@ int CompareCommand::run() const {
     const auto writable = check_outputs({reference, other}, {json == "-" ? "" : json});
     if (!writable) return complain(writable.error());
 
-    const double fitted = fitted_theta(*b), theta = max_theta > 0 ? max_theta : fitted > 0 ? fitted : 80;
+    double theta = max_theta;
+    if (!(theta > 0)) theta = fitted_theta(*b);
+    if (!(theta > 0)) theta = k_default_max_theta;
     if (is_two_sided(a->content) || is_two_sided(b->content)) return run_on_parts(*a, *b, theta);
     const Evaluate others[] = {evaluator(*b)};
     const auto* model = std::get_if<Model>(&b->content);
@@ -115,10 +119,7 @@ void add_compare(CommandLine& app, int& status) {
                    "default: that of OTHER's fit if it is a model, otherwise 80")
         .type_name("DEG")
         .check(within(1.0, 90.0));
-    sub.add_option("--threads", command->threads, "Number of threads; 0: all of the machine")
-        .type_name("T")
-        .check(within(0, k_max_threads))
-        .capture_default_str();
+    add_threads(sub, command->threads, "Number of threads; 0: all of the machine");
     add_read_options(sub, command->read);
     sub.add_option("--json", command->json, "Write the measures to this file; - is standard output").type_name("FILE");
     sub.footer(

@@ -40,16 +40,14 @@ Result<Measured> ConvertCommand::smoothed(const LoadedFile& subject) const {
         return Error{
             input, {}, "input", "an isotropic table for --smooth", measured ? "an anisotropic one" : "a model"};
     ProgressLine line;
-    const auto quiet = smoothed_to_noise(
-        *measured, threads, [&](const Progress& now) { return line.show("smoothing", now.fraction), true; });
-    if (!quiet) {
-        Error error = quiet.error();
-        return error.source = input, error;
-    }
+    const auto quiet = smoothed_to_noise(*measured, threads, line.shown_progress("smoothing"));
+    if (!quiet) return with_source(quiet.error(), input);
     MbsdfOptions options;
     options.threads = threads;
-    if (const auto* mbsdf = std::get_if<MbsdfTable>(&measured->table))
-        options.polar = mbsdf->polar, options.azimuths = mbsdf->azimuths;
+    if (const auto* mbsdf = std::get_if<MbsdfTable>(&measured->table)) {
+        options.polar = mbsdf->polar;
+        options.azimuths = mbsdf->azimuths;
+    }
     return Measured{measured->source, "smoothed", 0, to_mbsdf(*quiet, options)};
 }
 
@@ -67,8 +65,8 @@ Result<std::vector<std::byte>> ConvertCommand::converted(const LoadedFile& subje
                             {description_of(subject) + (smooth ? ", smoothed to its noise" : ""), directions,
                              max_theta * k_degree, choice, !rgb_alone, threads});
     if (bytes) return bytes;
-    Error error = bytes.error();
-    error.source = input, error.expected += fmt::format(", as {} tables are", format.name);
+    Error error = with_source(bytes.error(), input);
+    error.expected += fmt::format(", as {} tables are", format.name);
     return error;
 }
 
@@ -99,21 +97,6 @@ std::string written_formats() {
 }
 
 using Command = std::shared_ptr<ConvertCommand>;
-
-/// Adds `--directions` and `--max-theta`, which the writer of CSV reads.
-std::array<Option, 2> add_csv_options(const Subcommand& sub, const Command& command) {
-    const Option directions = sub.add_option("--directions", command->directions,
-                                             "CSV of tables and models: all pairs of this many directions, 1 to 1536")
-                                  .type_name("N")
-                                  .check(within(1, 1536))
-                                  .capture_default_str();
-    const Option max_theta = sub.add_option("--max-theta", command->max_theta,
-                                            "CSV of tables and models: largest angle from the normal, 1 to 90 degrees")
-                                 .type_name("DEG")
-                                 .check(within(1.0, 90.0))
-                                 .capture_default_str();
-    return {directions, max_theta};
-}
 
 /// Adds the options that a single writer reads, with the conditions under which they are read.
 std::vector<AllowedWhen> add_writer_options(const Subcommand& sub, const Command& command) {
@@ -146,7 +129,16 @@ void add_convert(CommandLine& app, int& status) {
                        ? ""
                        : fmt::format("expected a name that ends in {}, found {}", extensions_of_formats(), name);
         });
-    const auto [directions, max_theta] = add_csv_options(sub, command);
+    const Option directions = sub.add_option("--directions", command->directions,
+                                             "CSV of tables and models: all pairs of this many directions, 1 to 1536")
+                                  .type_name("N")
+                                  .check(within(1, 1536))
+                                  .capture_default_str();
+    const Option max_theta = sub.add_option("--max-theta", command->max_theta,
+                                            "CSV of tables and models: largest angle from the normal, 1 to 90 degrees")
+                                 .type_name("DEG")
+                                 .check(within(1.0, 90.0))
+                                 .capture_default_str();
     std::vector<AllowedWhen> allowed = add_writer_options(sub, command);
     const Option rgb_alone =
         sub.add_flag("--rgb-alone", command->rgb_alone,
@@ -156,11 +148,8 @@ void add_convert(CommandLine& app, int& status) {
     sub.add_flag("--smooth", command->smooth, "Write a noisy isotropic table without its noise, as a fit uses it");
     add_read_options(sub, command->read);
     const Option threads =
-        sub.add_option("--threads", command->threads,
-                       "All but CSV: number of threads; 0: all of the machine. The output does not depend on it")
-            .type_name("T")
-            .check(within(0, k_max_threads))
-            .capture_default_str();
+        add_threads(sub, command->threads,
+                    "All but CSV: number of threads; 0: all of the machine. The output does not depend on it");
     sub.footer(
         "A file that already has the format is copied byte for byte if nothing was assumed about it, unless\n"
         "--exchange, --smooth, --rgb-alone or an option of the format is given.\n\n"

@@ -54,10 +54,7 @@ Result<Model> model_in(const std::string& path) {
 
 /// Saves the model of an edit of `input`.
 int write(Result<Model> model, const std::string& input, const std::string& output) {
-    if (!model) {
-        Error error = model.error();
-        return error.source = input, complain(error);
-    }
+    if (!model) return complain(with_source(model.error(), input));
     return status_of(save_model(*model, output));
 }
 
@@ -66,7 +63,7 @@ int EditCommand::run() {
     if (!model) return complain(model.error());
     if (const auto writable = check_outputs({input}, {output}); !writable) return complain(writable.error());
     ProgressLine line;
-    options.progress = [&line](const Progress& now) { return line.show("editing", now.fraction), true; };
+    options.progress = line.shown_progress("editing");
     const std::vector<Edit> wanted = edits();
     auto result = edit_model(*model, wanted, options);
     line.clear();
@@ -94,7 +91,8 @@ Option add_colour(const Subcommand& sub, const std::string& name, Rgb& colour, d
         for (; count < numbers.size(); ++at) {
             const auto [rest, error] = std::from_chars(at, end, numbers[count]);
             if (error != std::errc()) return false;
-            ++count, at = rest;
+            ++count;
+            at = rest;
             if (at == end || *at != ',') break;
         }
         if (at != end || count == 2) return false;
@@ -147,11 +145,8 @@ void add_edit(CommandLine& app, int& status) {
     edit.reduces = sub.add_option("--reduce", edit.reduce.lobes, "Fit this number of lobes to the result, 1 to 64")
                        .type_name("J")
                        .check(within(1, k_max_fitted_lobes));
-    const Option threads = sub.add_option("--threads", edit.options.threads,
-                                          "Number of threads; 0: all of the machine. The output does not depend on it")
-                               .type_name("T")
-                               .check(within(0, k_max_threads))
-                               .capture_default_str();
+    const Option threads = add_threads(sub, edit.options.threads,
+                                       "Number of threads; 0: all of the machine. The output does not depend on it");
     sub.footer(
         "Edits are applied in this order. The body is the lobes that reflect as far from the mirror direction as "
         "Lambert\n"

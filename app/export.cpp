@@ -142,7 +142,8 @@ int write_texture(const ExportCommand& command) {
 }
 
 /// The text of one surface; prints its visible error.
-Result<std::string> surface(const ExportCommand& command, const SurfaceFile& row, const std::vector<NamedModel>& named) {
+Result<std::string> surface(const ExportCommand& command, const SurfaceFile& row,
+                            const std::vector<NamedModel>& named) {
     if (named.size() != 1) return argument_error(command.output, "models", "one surface", std::to_string(named.size()));
     auto text = surface_text(row, named[0]);
     const auto& provenance = named[0].model->provenance;
@@ -163,8 +164,9 @@ Result<std::string> surface(const ExportCommand& command, const SurfaceFile& row
 
 CodeOptions code_options(const ExportCommand& command, CodeLanguage language) {
     CodeOptions options{.language = language, .with = command.with};
-    options.sampling = std::erase(options.with, "sampling") > 0,
-    options.albedo = std::erase(options.with, "albedo") > 0, options.blend = std::erase(options.with, "blend") > 0;
+    options.sampling = std::erase(options.with, "sampling") > 0;
+    options.albedo = std::erase(options.with, "albedo") > 0;
+    options.blend = std::erase(options.with, "blend") > 0;
     return options;
 }
 
@@ -197,8 +199,9 @@ std::vector<TextKind> text_kinds() {
         kinds.push_back(std::move(kind));
     }
     for (const SurfaceFile& row : surface_files())
-        kinds.push_back({std::string(row.name), std::string(row.about), false,
-                         [&row](const auto& command, const auto& models, auto&) { return surface(command, row, models); }});
+        kinds.push_back(
+            {std::string(row.name), std::string(row.about), false,
+             [&row](const auto& command, const auto& models, auto&) { return surface(command, row, models); }});
     return kinds;
 }
 

@@ -1,53 +1,14 @@
 #include "app/fit.h"
 #include "app/commands.h"
+#include "app/fit_options.h"
 #include "base/files.h"
 #include "base/printable.h"
 #include "brdf/values.h"
-#include "fit/patch_fit.h"
-#include "fit/request_traits.h"
 #include "measured/readers.h"
 #include "srbf/file.h"
 #include "srbf/metrics.h"
 
 namespace srbf {
-namespace {
-
-/// Options that fits of some measurements do not read. `are_read` is true if fits of this measurement do. The rows of
-/// `AllowedWhen` in fit_command.cpp depend on the command line alone.
-struct ReadFor {
-    std::vector<std::string_view> options;
-    bool are_read;
-    std::string expected, found;
-};
-
-/// Returns an error if an option was given that the fit of this measurement does not read.
-Result<Done> check_read(const Measured& measured, const FitJob& fit) {
-    const auto* bsdf = std::get_if<BsdfTable>(&measured.table);
-    const PatchFitter* patches = nullptr;
-    if (bsdf)
-        for (const auto& part : bsdf->band().part)
-            if (part && patch_fit_of(*part)) patches = patch_fit_of(*part);
-    const std::string fitted(patches ? patches->fitted : "");
-    const auto* pm = std::get_if<PmRequest>(&fit.request.model);
-    const bool is_view_by_view = std::holds_alternative<SuRequest>(fit.request.model);
-    const ReadFor rows[] = {
-        {{"--variates"},
-         !(patches && pm && !pm->size),
-         "--lobes as well",
-         fmt::format("none: a fit of {} then chooses its size", fitted)},
-        {{"--target-delta-e"}, !patches, "a table", fitted},
-        {{"--objective", "--max-theta"}, !patches || is_view_by_view, "a table or samples", fitted},
-        {{"--channels"}, !(patches && fit.request.spectral), "rgb", "spectral, of " + fitted},
-    };
-    for (const ReadFor& row : rows)
-        for (const std::string_view option : row.options)
-            if (!row.are_read && std::ranges::count(fit.given, option) > 0)
-                return Error{fit.input, {}, std::string(option), row.expected, row.found};
-    return Done{};
-}
-
-}  // namespace
-
 int fit_file(FitJob fit) {
     const auto measured = load_for_fit(fit);
     if (!measured) return complain(measured.error());
@@ -99,7 +60,8 @@ Result<Measured> load_for_fit(FitJob& fit) {
     if (fit.exchange) exchange(*measured);
     if (!fit.band.empty())
         if (const auto chosen = choose_band(*measured, fit.band); !chosen) return chosen.error();
-    if (const auto read = check_read(*measured, fit); !read) return read.error();
+    if (const auto read = check_read(*measured, fit.request, fit.texts, dashed); !read)
+        return with_source(read.error(), fit.input);
     if (files.size() > 1) fmt::print(stderr, "srbf: {}\n", printable(notes(*measured)[0]));
     fit.load_seconds = loading.seconds();
     return measured;

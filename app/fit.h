@@ -4,6 +4,7 @@
 
 #include "app/image.h"
 #include "app/output.h"
+#include "fit/fit_options.h"
 #include "srbf/fit.h"
 
 namespace srbf {
@@ -13,10 +14,10 @@ struct FitJob {
     std::string input, output;
     std::string preview, json;  // empty: none
     FitRequest request;
+    FitTexts texts = {};                  // the options that `request` was made of
     bool exchange = false;                // exchange light and viewer of the measurement
     ReadOptions read = {};                // what the file does not state
     std::string band = {};                // the band of a two-sided measurement; empty: the default
-    std::vector<std::string> given = {};  // the options on the command line
     std::vector<std::string> files = {};  // the files that `input` names; several are of one sample
     double load_seconds = 0;
 };

@@ -88,7 +88,8 @@ Json report_of(const FitJob& fit, const Measured& measured, const BsdfOutcome& o
                     {"squared_error_ratio", part.squared_error_ratio}};
         if (const auto& data = std::get<BsdfTable>(measured.table).band().part[std::size_t(part.part)]) {
             const Peak peak = peak_of(*data);
-            member["peak"] = name(peak.position), member["peak_ratio"] = peak.ratio;
+            member["peak"] = name(peak.position);
+            member["peak_ratio"] = peak.ratio;
         }
         for (const Hemispherical& sum : part.hemispherical)
             member["hemispherical"].push_back({{"theta", degrees_of(sum.theta)},

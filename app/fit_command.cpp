@@ -13,7 +13,6 @@ namespace {
 
 struct FitCommand {
     std::vector<std::string> inputs;
-    FitTexts texts;
     FitJob fit;
     bool resume = false, as_one = false;
 
@@ -70,7 +69,7 @@ void add_fit(CommandLine& app, int& status) {
     const Subcommand sub =
         app.add_subcommand("fit", "Fit a model to a measurement, or to each of many, and report its errors");
     add_files(sub, *command, options);
-    const Option threads = add_fit_options(sub, command->texts).at("threads");
+    const Option threads = add_fit_options(sub, command->fit.texts).at("threads");
     add_data(sub, *command);
     sub.footer(
         "Examples:\n  srbf fit paper_white_rgb.bsdf\n"
@@ -82,8 +81,7 @@ void add_fit(CommandLine& app, int& status) {
         [=, &status] {
             if (command->into_folder() && !options.output.given())
                 options.output.fail("a folder is required for several inputs and --resume");
-            command->fit.request = parse_request_or_exit(sub, command->texts);
-            command->fit.given = sub.given();
+            command->fit.request = parse_request_or_exit(sub, command->fit.texts);
             if (command->into_folder()) {
                 // The inputs' content is in the key of a result.
                 const std::string settings = sub.settings({options.input, options.output, options.resume, threads});

@@ -7,13 +7,6 @@
 namespace srbf {
 namespace {
 
-/// The option of a name: "--max-theta" for "max_theta".
-std::string dashed(std::string_view name) {
-    std::string text = "--" + std::string(name);
-    std::ranges::replace(text, '_', '-');
-    return text;
-}
-
 Option add_fit_option(const Subcommand& sub, FitTexts& texts, const FitOptionRow& row) {
     const std::string name(row.name), names = dashed(name);
     if (row.type.empty() && row.negation.empty())
@@ -31,6 +24,12 @@ Option add_fit_option(const Subcommand& sub, FitTexts& texts, const FitOptionRow
 }
 
 }  // namespace
+
+std::string dashed(std::string_view name) {
+    std::string text = "--" + std::string(name);
+    std::ranges::replace(text, '_', '-');
+    return text;
+}
 
 OptionsByName add_fit_options(const Subcommand& sub, FitTexts& texts, const std::vector<std::string_view>& names) {
     OptionsByName options;

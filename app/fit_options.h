@@ -5,6 +5,9 @@
 
 namespace srbf {
 
+/// The option of a name: "--max-theta" for "max_theta".
+std::string dashed(std::string_view name);
+
 using OptionsByName = std::map<std::string_view, Option>;
 /// Adds the options with these names, in this order. The texts of the options that are given go into `texts`, which
 /// must outlive the parsing.

@@ -64,7 +64,10 @@ void print_geometry(const ScatteredSamples& samples) {
     float smallest = std::numeric_limits<float>::infinity();
     for (std::size_t i = 0; i < samples.wl.size(); ++i) {
         in_plane += is_in_plane(samples.wl[i], samples.wv[i]);
-        if (samples.colour[i].g < smallest) smallest = samples.colour[i].g, smallest_count = 0;
+        if (samples.colour[i].g < smallest) {
+            smallest = samples.colour[i].g;
+            smallest_count = 0;
+        }
         smallest_count += samples.colour[i].g == smallest;
     }
     if (in_plane == samples.wl.size())
@@ -225,7 +228,10 @@ int run(const std::string& file, const ReadOptions& read) {
     const auto loaded = load_file_or_map(file, read);
     if (!loaded) return complain(loaded.error());
     fmt::print("{}\n", printable(file));
-    if (const auto* map = std::get_if<TexelMap>(&*loaded)) return print_map(*map), k_done;
+    if (const auto* map = std::get_if<TexelMap>(&*loaded)) {
+        print_map(*map);
+        return k_done;
+    }
     const auto* subject = std::get_if<LoadedFile>(&*loaded);
     if (const auto* measured = std::get_if<Measured>(&subject->content)) {
         print_row("format", fmt::format("{}, {} bytes", measured->format, grouped(measured->bytes)));

@@ -39,14 +39,14 @@ void in_jobs(std::size_t count, int jobs, const std::function<void(std::size_t)>
     if (failure) std::rethrow_exception(failure);
 }
 
-void Board::show(std::size_t i, const std::string& text, double fraction) {
+void JobProgress::show(std::size_t i, const std::string& text, double fraction) {
     const std::scoped_lock lock(mutex_);
     sum_ += fraction - fraction_[i];
     fraction_[i] = fraction;
     line_.show(text, sum_ / double(fraction_.size()));
 }
 
-void Board::print(const std::function<void()>& print) {
+void JobProgress::print(const std::function<void()>& print) {
     const std::scoped_lock lock(mutex_);
     line_.clear();
     print();

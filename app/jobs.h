@@ -16,9 +16,9 @@ int jobs_within_memory(std::uint64_t max_count);
 void in_jobs(std::size_t count, int jobs, const std::function<void(std::size_t)>& work);
 
 /// A progress line for the files in progress. Thread-safe.
-class Board {
+class JobProgress {
   public:
-    Board(std::size_t count, ProgressLine& line) : fraction_(count), line_(line) {}
+    JobProgress(std::size_t count, ProgressLine& line) : fraction_(count), line_(line) {}
     void show(std::size_t i, const std::string& text, double fraction);
     /// Calls `print` while the progress line is cleared.
     void print(const std::function<void()>& print);

@@ -11,7 +11,8 @@
 namespace srbf {
 namespace {
 
-class Container {
+/// The bytes of a KTX 2 file; numbers are in little-endian order.
+class KtxBytes {
   public:
     void add(std::uint64_t number, std::size_t count) {
         for (std::size_t i = 0; i < count; ++i, number >>= 8) bytes.push_back(std::byte(number & 0xff));
@@ -77,7 +78,7 @@ class NearestSrgb {
 };
 
 /// Adds a layer, the coefficients of lobe j, as R, G, B and A = 1 in bytes with a scale.
-void add_layer(Container& file, const MapLevel& level, std::size_t j, std::size_t J, const Rgb& scale) {
+void add_layer(KtxBytes& file, const MapLevel& level, std::size_t j, std::size_t J, const Rgb& scale) {
     static const NearestSrgb nearest;
     for (std::size_t i = j; i < level.coefficient.size(); i += J) {
         for (int c = 0; c < 3; ++c) file.add(scale[c] > 0 ? nearest(level.coefficient[i][c] / scale[c]) : 0, 1);
@@ -86,7 +87,7 @@ void add_layer(Container& file, const MapLevel& level, std::size_t j, std::size_
 }
 
 /// Adds all layers of a level.
-void add_level(Container& file, const MapLevel& level, LayerNumbers numbers, const std::vector<Rgb>& scales) {
+void add_level(KtxBytes& file, const MapLevel& level, LayerNumbers numbers, const std::vector<Rgb>& scales) {
     if (numbers == LayerNumbers::halves)
         for (const std::uint16_t half : layers_in_halves(level)) file.add(half, 2);
     else
@@ -100,15 +101,15 @@ MapLevel coarser(const MapLevel& finer) {
     MapLevel level{std::max<std::size_t>(finer.width / 2, 1), std::max<std::size_t>(finer.height / 2, 1), {}};
     level.coefficient.resize(level.width * level.height * J);
     // Texel k of n covers [k m, (k + 1) m) and overlaps texel i of m, which covers [i n, (i + 1) n).
-    const auto each = [](std::size_t i, std::size_t n, std::size_t m, const auto& visit) {
+    const auto visit_overlaps = [](std::size_t i, std::size_t n, std::size_t m, const auto& visit) {
         for (std::size_t k = i * n / m; k * m < (i + 1) * n; ++k)
             visit(k, float(std::min((k + 1) * m, (i + 1) * n) - std::max(k * m, i * n)) / float(n));
     };
     for (std::size_t y = 0; y < level.height; ++y)
         for (std::size_t x = 0; x < level.width; ++x) {
             Rgb* const target = &level.coefficient[(y * level.width + x) * J];
-            each(y, finer.height, level.height, [&](std::size_t row, float row_weight) {
-                each(x, finer.width, level.width, [&](std::size_t column, float column_weight) {
+            visit_overlaps(y, finer.height, level.height, [&](std::size_t row, float row_weight) {
+                visit_overlaps(x, finer.width, level.width, [&](std::size_t column, float column_weight) {
                     const Rgb* const source = &finer.coefficient[(row * finer.width + column) * J];
                     for (std::size_t j = 0; j < J; ++j)
                         for (int c = 0; c < 3; ++c) target[j][c] += row_weight * column_weight * source[j][c];
@@ -169,7 +170,7 @@ std::vector<std::byte> map_ktx2(const TexelMap& map, LayerNumbers numbers) {
     const std::vector<MapLevel> levels = mip_levels(map);
     const auto J = std::size_t(map.basis.lobes);
     const std::vector<Rgb> scales = layer_scales(map);
-    Container file;
+    KtxBytes file;
     for (const std::uint8_t byte : identifier) file.add(byte, 1);
     for (const std::size_t number : {std::size_t(format.vulkan), std::size_t(format.number_size), levels[0].width,
                                      levels[0].height, std::size_t(0), J, faces, levels.size(), std::size_t(0)})
@@ -178,11 +179,13 @@ std::vector<std::byte> map_ktx2(const TexelMap& map, LayerNumbers numbers) {
     const auto add_part = [&](std::size_t offset, const auto& write) {
         const std::size_t begin = file.bytes.size();
         write();
-        file.set(index + offset, begin, 4), file.set(index + offset + 4, file.bytes.size() - begin, 4);
+        file.set(index + offset, begin, 4);
+        file.set(index + offset + 4, file.bytes.size() - begin, 4);
     };
     add_part(0, [&] { file.add_words(descriptor(format)); });
     add_part(8, [&] {
-        file.add_metadata("KTXorientation", "rd"), file.add_metadata("KTXwriter", "srbf");
+        file.add_metadata("KTXorientation", "rd");
+        file.add_metadata("KTXwriter", "srbf");
         if (numbers != LayerNumbers::halves) file.add_metadata(k_scale_key, std::as_bytes(std::span(scales)));
     });
     const std::size_t texel_size = 4 * format.number_size;

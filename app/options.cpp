@@ -75,22 +75,15 @@ Option Option::one_at_a_time() const { return Option(option_->allow_extra_args(f
 bool Option::given() const { return option_->count() > 0; }
 void Option::fail(const std::string& what) const { throw CLI::ValidationError(option_->get_name(), what); }
 
-Option Subcommand::add_option(const std::string& names, std::string& value, const std::string& about) const {
+template <typename Value>
+Option Subcommand::add_option(const std::string& names, Value& value, const std::string& about) const {
     return Option(app_->add_option(names, value, about));
 }
-Option Subcommand::add_option(const std::string& names, std::vector<std::string>& value,
-                              const std::string& about) const {
-    return Option(app_->add_option(names, value, about));
-}
-Option Subcommand::add_option(const std::string& names, int& value, const std::string& about) const {
-    return Option(app_->add_option(names, value, about));
-}
-Option Subcommand::add_option(const std::string& names, std::uint64_t& value, const std::string& about) const {
-    return Option(app_->add_option(names, value, about));
-}
-Option Subcommand::add_option(const std::string& names, double& value, const std::string& about) const {
-    return Option(app_->add_option(names, value, about));
-}
+template Option Subcommand::add_option(const std::string&, std::string&, const std::string&) const;
+template Option Subcommand::add_option(const std::string&, std::vector<std::string>&, const std::string&) const;
+template Option Subcommand::add_option(const std::string&, int&, const std::string&) const;
+template Option Subcommand::add_option(const std::string&, std::uint64_t&, const std::string&) const;
+template Option Subcommand::add_option(const std::string&, double&, const std::string&) const;
 Option Subcommand::add_option(const std::string& names, std::function<void(const std::string&)> take,
                               const std::string& about) const {
     return Option(app_->add_option_function<std::string>(names, std::move(take), about));
@@ -111,12 +104,6 @@ Option Subcommand::add_flag(const std::string& names, std::function<void(int)> t
 Option Subcommand::add_flag(const std::string& names, std::function<void()> when_given,
                             const std::string& about) const {
     return Option(app_->add_flag_callback(names, std::move(when_given), about)->disable_flag_override());
-}
-std::vector<std::string> Subcommand::given() const {
-    std::vector<std::string> names;
-    for (const CLI::Option* option : app_->get_options())
-        if (option->count() > 0) names.push_back(option->get_name());
-    return names;
 }
 std::string Subcommand::settings(const std::vector<Option>& besides) const {
     std::string text;

@@ -63,11 +63,8 @@ class Subcommand {
   public:
     explicit Subcommand(CLI::App* app) : app_(app) {}
 
-    Option add_option(const std::string& names, std::string& value, const std::string& about) const;
-    Option add_option(const std::string& names, std::vector<std::string>& value, const std::string& about) const;
-    Option add_option(const std::string& names, int& value, const std::string& about) const;
-    Option add_option(const std::string& names, std::uint64_t& value, const std::string& about) const;
-    Option add_option(const std::string& names, double& value, const std::string& about) const;
+    /// An option that sets a std::string, std::vector<std::string>, int, std::uint64_t or double.
+    template <typename Value> Option add_option(const std::string& names, Value& value, const std::string& about) const;
     /// An option whose text is passed to `take`.
     Option add_option(const std::string& names, std::function<void(const std::string&)> take,
                       const std::string& about) const;
@@ -77,9 +74,6 @@ class Subcommand {
     /// Each name is followed by its value, as in --yes{1},--no{-1}.
     Option add_flag(const std::string& names, std::function<void(int)> take, const std::string& about) const;
     Option add_flag(const std::string& names, std::function<void()> when_given, const std::string& about) const;
-
-    /// The options that were on the command line, by their longest names.
-    std::vector<std::string> given() const;
 
     /// The settings that a result depends on: the options on the command line with their texts, except those in
     /// `besides` and those that equal their default.

@@ -141,15 +141,18 @@ Result<Done> flush_standard_output() {
 }
 
 void ProgressLine::show(std::string_view stage, double fraction) {
+    constexpr double k_delay = 0.5, k_interval = 0.1, k_min_estimated_fraction = 0.01;  // the first two in seconds
     const double now = watch_.seconds();
-    if (now < 0.5 || (now - shown_ < 0.1 && stage == stage_) || !system_files::is_terminal(2)) return;
+    if (now < k_delay || (now - shown_ < k_interval && stage == stage_) || !system_files::is_terminal(2)) return;
     shown_ = now;
     stage_ = stage;
     visible_ = true;
-    const double remaining = fraction > 0.01 ? now * (1 - fraction) / fraction : std::nan("");
-    const std::string time = !std::isfinite(remaining) ? ""
-                             : remaining < 100         ? fmt::format(", {:.0f} s left", std::ceil(remaining))
-                                                       : fmt::format(", {:.0f} min left", std::ceil(remaining / 60));
+    std::string time;
+    if (fraction > k_min_estimated_fraction) {
+        const double remaining = now * (1 - fraction) / fraction;
+        time = remaining < 100 ? fmt::format(", {:.0f} s left", std::ceil(remaining))
+                               : fmt::format(", {:.0f} min left", std::ceil(remaining / 60));
+    }
     fmt::print(stderr, "\r\033[K\033[?7l{:3.0f} %  {}{}\033[?7h", 100 * fraction, printable(stage),
                time);  // ?7: line wrapping off and on
 }

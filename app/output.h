@@ -54,6 +54,11 @@ bool is_report_of(const Json& report, const std::string& model_file);
 Result<Done> check_outputs(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
 /// Makes a folder to write into, unless it exists. Returns an error if it cannot be made or written.
 Result<Done> make_folder(const std::string& path);
+/// `error` with the file that caused it.
+inline Error with_source(Error error, const std::string& file) {
+    error.source = file;
+    return error;
+}
 /// Returns an error if standard output has not accepted everything that was printed (disk full).
 Result<Done> flush_standard_output();
 
@@ -76,10 +81,13 @@ class ProgressLine {
   public:
     ~ProgressLine() { clear(); }
     void show(std::string_view stage, double fraction);
-    /// Shows the progress that a function of the library reports, and never cancels it. This object must outlive the
-    /// function.
-    auto shown_progress() {
-        return [this](const Progress& now) { return show(now.stage, now.fraction), true; };
+    /// Shows the progress that a function of the library reports, as one stage if `stage` is given, and never cancels
+    /// it. This object must outlive the function.
+    auto shown_progress(std::string_view stage = {}) {
+        return [this, stage](const Progress& now) {
+            show(stage.empty() ? now.stage : stage, now.fraction);
+            return true;
+        };
     }
     void clear();
 

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "base/files.h"
+#include "base/text.h"
 #include "srbf/result.h"
 #include "srbf/vec.h"
 
@@ -32,6 +33,26 @@ class PairParser {
     bool has_header_ = false;
     std::array<std::size_t, 6> column_{};
     std::vector<std::string_view> fields_;
+};
+
+/// The lines of a file, as `Lines` reads them. Only a block of the file is in memory; a longer line is an error.
+class FileLines {
+  public:
+    explicit FileLines(FileReader file) : file_(std::move(file)), lines_({}) {}
+    /// The next line that is not empty, valid until the next call; no value at the end.
+    Result<std::optional<std::string_view>> next();
+    /// Number of the last line that was returned, counted from 1.
+    std::uint64_t number() const { return lines_before_ + lines_.number(); }
+
+  private:
+    Result<Done> read_block();
+
+    FileReader file_;
+    std::vector<std::byte> block_;
+    std::size_t complete_ = 0;        ///< bytes of the block's complete lines
+    std::uint64_t lines_before_ = 0;  ///< number of lines before the block
+    bool at_end_ = false;
+    Lines lines_;
 };
 
 /// Reads the pairs of a file in blocks.

@@ -29,7 +29,10 @@ double angle_between(const Vec3d& a, const Vec3d& b) {
 /// The level of a position in an interval, from means over shells.
 struct Level {
     std::array<double, k_shells.size() + 1> sum{}, count{};
-    void add(std::size_t shell, double y) { sum[shell] += y, count[shell] += 1; }
+    void add(std::size_t shell, double y) {
+        sum[shell] += y;
+        count[shell] += 1;
+    }
     /// Negative if there are no pairs.
     double value() const {
         double max = -1;
@@ -50,7 +53,10 @@ void add(Levels& levels, const Vec3d& wl, const Vec3d& wv, double y) {
     const std::size_t nearest = std::size_t(std::ranges::min_element(angle) - angle.begin());
     const bool is_near = angle[nearest] <= k_around;
     const auto shell = std::size_t(std::ranges::upper_bound(k_shells, angle[nearest]) - k_shells.begin());
-    levels[interval][is_near ? nearest : k_positions - 1].add(is_near ? shell : 0, y);
+    if (is_near)
+        levels[interval][nearest].add(shell, y);
+    else
+        levels[interval][k_positions - 1].add(0, y);
 }
 
 Peak peak_of(const Levels& levels) {
@@ -71,7 +77,9 @@ Peak peak_of(const Levels& levels) {
             if (level[p] < 0) continue;
             const double quotient =
                 max > 0 ? std::max(level[p], max / k_max_peak) / std::max(min, max / k_max_peak) : 1;
-            score[p] += elementary::log(quotient), count[p] += 1, ratio[p] = std::max(ratio[p], quotient);
+            score[p] += elementary::log(quotient);
+            count[p] += 1;
+            ratio[p] = std::max(ratio[p], quotient);
         }
     }
     Peak peak;
@@ -118,8 +126,8 @@ Peak peak_of(const Evaluate& brdf) {
             }
             for (int theta = 10; theta <= 70; theta += 15)
                 for (int k = 0; k < 12; ++k) views.push_back(spherical(theta * k_degree, phi_l + k * k_pi / 6));
-            for (const Vec3d& view : views)
-                wl.push_back(to_float(spherical(theta_l, phi_l))), wv.push_back(to_float(view));
+            for (const Vec3d& view : views) wv.push_back(to_float(view));
+            wl.resize(wv.size(), to_float(spherical(theta_l, phi_l)));
         }
     std::vector<Rgb> f(wl.size());
     brdf(wl, wv, f);

@@ -142,10 +142,6 @@ std::string mtlx_tangent(const std::string& name, const OpenPbrModel& model) {
                       name, clockwise(model));
 }
 
-std::string usd_colour(const Rgb& colour) {
-    return fmt::format("({:.6g}, {:.6g}, {:.6g})", colour.r, colour.g, colour.b);
-}
-
 /// The nodes of `mtlx_tangent` as USD shaders.
 std::string usd_tangent(const std::string& name, const OpenPbrModel& model) {
     std::string text;
@@ -180,24 +176,23 @@ std::string usd_text(const NamedModel& named, const OpenPbrModel& model) {
         "            def Shader \"Preview\"\n            {{\n"
         "                uniform token info:id = \"UsdPreviewSurface\"\n",
         named.name);
-    const auto preview = [&](const char* type, const char* name, const std::string& value) {
-        text += fmt::format("                {} inputs:{} = {}\n", type, name, value);
+    const auto add = [&](const Input& input) {
+        const char* const pattern =
+            input.is_colour ? "                color3f inputs:{} = ({})\n" : "                float inputs:{} = {}\n";
+        text += fmt::format(fmt::runtime(pattern), input.name, input.numbers);
     };
-    const auto digits = [](float x) { return fmt::format("{:.6g}", x); };
     const OpenPbrModel plain = with_plain_coat(model);
     const float mean_of_coat = (model.coat_color.r + model.coat_color.g + model.coat_color.b) / 3;
-    preview("color3f", "diffuseColor", usd_colour(scaled(model.base_weight, model.base_color)));
-    preview("float", "metallic", digits(model.base_metalness));
-    preview("float", "roughness", digits(plain.specular_roughness));
-    preview("float", "ior", digits(plain.specular_ior));
-    preview("float", "clearcoat", digits(model.coat_weight * mean_of_coat));
-    preview("float", "clearcoatRoughness", digits(model.coat_roughness));
+    add(input("diffuseColor", scaled(model.base_weight, model.base_color)));
+    add(input("metallic", model.base_metalness));
+    add(input("roughness", plain.specular_roughness));
+    add(input("ior", plain.specular_ior));
+    add(input("clearcoat", model.coat_weight * mean_of_coat));
+    add(input("clearcoatRoughness", model.coat_roughness));
     text +=
         "                token outputs:surface\n            }\n\n            def Shader \"OpenPbr\"\n            {\n"
         "                uniform token info:id = \"ND_open_pbr_surface_surfaceshader\"\n";
-    for (const Input& input : openpbr_inputs(model))
-        preview(input.is_colour ? "color3f" : "float", input.name.c_str(),
-                input.is_colour ? "(" + input.numbers + ")" : input.numbers);
+    for (const Input& input : openpbr_inputs(model)) add(input);
     if (is_anisotropic(model))
         text += fmt::format(
             "                vector3f inputs:geometry_tangent.connect = </World/Materials/{}/Turned.outputs:out>\n",
@@ -344,16 +339,16 @@ std::string gltf_text(Gltf document) {
 std::string glb_bytes(const Gltf& document) {
     std::string text = document.json.dump(),
                 bytes(reinterpret_cast<const char*>(document.bytes.data()), document.bytes.size());
-    text.resize((text.size() + 3) / 4 * 4, ' '), bytes.resize((bytes.size() + 3) / 4 * 4, '\0');
-    std::string file = "glTF";
-    const auto add = [&](std::size_t x) {
-        for (int k = 0; k < 4; ++k) file += char(x >> (8 * k) & 0xff);
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    bytes.resize((bytes.size() + 3) / 4 * 4, '\0');
+    const auto little_endian = [](std::size_t x) {
+        std::string word;
+        for (int k = 0; k < 4; ++k) word += char(x >> (8 * k) & 0xff);
+        return word;
     };
     constexpr std::size_t k_version = 2, k_head = 12, k_chunk_head = 8;
-    add(k_version), add(k_head + 2 * k_chunk_head + text.size() + bytes.size());
-    add(text.size()), file += "JSON" + text;
-    add(bytes.size()), file += std::string("BIN\0", 4) + bytes;
-    return file;
+    return "glTF" + little_endian(k_version) + little_endian(k_head + 2 * k_chunk_head + text.size() + bytes.size()) +
+           little_endian(text.size()) + "JSON" + text + little_endian(bytes.size()) + std::string("BIN\0", 4) + bytes;
 }
 
 // ---- Blender ----

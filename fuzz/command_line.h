@@ -5,9 +5,9 @@
 #include <map>
 #include <span>
 
+#include "../test/support/models.h"
 #include "base/text.h"
 #include "in_process.h"
-#include "srbf/model.h"
 
 namespace srbf {
 
@@ -23,12 +23,8 @@ class CommandFolder {
         add("e.hdr", "#?RADIANCE\n\n-Y 1 +X 2\n\x80\x40\x40\x81\x20\x40\x80\x80");
         add("empty", "");
         add("text", "nothing that is known\n");
-        PmModel pm;
-        pm.lobes = pm.variates = 1, pm.axial = true;
-        pm.coefficient = {{0.3f, 0.2f, 0.1f}}, pm.centre = {{0, 0, 1}}, pm.bandwidth = {8};
-        pm.parameterization = {{1, 1}}, pm.log_scale = {0}, pm.exponent.resize(std::size_t(features(pm.form)));
-        add("m.srbf", as_text(write_model({pm, {}})));
-        add("g.srbf", as_text(write_model({GgxModel{{0.1f, 0.1f, 0.1f}, {{0.4f, {0.5f, 0.5f, 0.5f}, 1}}}, {}})));
+        add("m.srbf", as_text(write_model({axial_gaussians({{0.3f, 0.2f, 0.1f}}, {8}), {}})));
+        add("g.srbf", as_text(write_model({grey_facets(), {}})));
         const std::string head = "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 1, 3), }\n";
         add("t.npy", "\x93NUMPY" + std::string("\1\0", 2) + char(head.size()) + '\0' + head + std::string(12, '\0'));
     }

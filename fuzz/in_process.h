@@ -28,9 +28,12 @@ class OutputCapture {
         : file_(file), out_(redirect(1, "/dev/null")), error_(redirect(2, file.c_str())) {}
     /// Restores both streams, and returns the text of standard error.
     std::string end() const {
-        std::fflush(stdout), std::fflush(stderr);
-        ::dup2(out_, 1), ::dup2(error_, 2);
-        ::close(out_), ::close(error_);
+        std::fflush(stdout);
+        std::fflush(stderr);
+        ::dup2(out_, 1);
+        ::dup2(error_, 2);
+        ::close(out_);
+        ::close(error_);
         return read_text(file_);
     }
 

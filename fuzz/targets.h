@@ -1,5 +1,6 @@
 // Targets for libFuzzer and for the test of the corpus, which run a reader on arbitrary bytes.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -34,6 +35,8 @@ inline void check_error(const Error& error) {
     require(line.starts_with("f: ") && line.size() < 2000 && line.find('\n') == line.npos, "an error is one line");
 }
 
+inline bool is_finite_and_not_negative(const Rgb& f) { return is_finite(f) && f.r >= 0 && f.g >= 0 && f.b >= 0; }
+
 /// Checks that spectra, if there are any, satisfy the contract of `Brdf` at each wavelength.
 template <typename B> void check_spectra(const B& brdf, std::span<const Vec3f> wl, std::span<const Vec3f> wv) {
     if (wavelengths(brdf).empty()) return;
@@ -60,7 +63,7 @@ template <typename B> void check_values(const Result<B>& brdf) {
     std::mt19937_64 random(1);
     std::vector<Vec3f> lights, views;
     const auto direction = [&random] {
-        const double z = 2 * uniform(random) - 0.5, theta = std::acos(std::min(1.0, z));
+        const double z = 2 * uniform(random) - 0.5, theta = std::acos(std::min(1.0, z));  // a quarter is the normal
         return to_float(spherical(theta, 7 * uniform(random)));
     };
     for (int i = 0; i < 24; ++i) {
@@ -69,19 +72,19 @@ template <typename B> void check_values(const Result<B>& brdf) {
         if (i % 6 == 2) wv = mirror(wl);
         if (i % 6 == 3) wv = wl;
         if (i % 6 == 4) wv = {1, 0, 1e-30f};
-        lights.push_back(wl), views.push_back(wv);
+        lights.push_back(wl);
+        views.push_back(wv);
         const Rgb f = value(*brdf, wl, wv);
         if ((wl.z <= 0 || wv.z <= 0) && !is_two_sided(*brdf)) {
             require(f == Rgb{}, "0 below the horizon");
             continue;
         }
         const bool is_masked = std::isnan(f.r) && std::isnan(f.g) && std::isnan(f.b);
-        require(is_masked || (is_finite(f) && f.r >= 0 && f.g >= 0 && f.b >= 0), "finite and not negative, or NaN");
+        require(is_masked || is_finite_and_not_negative(f), "finite and not negative, or NaN");
     }
     std::vector<Rgb> f(lights.size());
     evaluator (*brdf)(lights, views, f);
-    for (const Rgb& c : f)
-        require(std::isnan(c.r) || (is_finite(c) && c.r >= 0 && c.g >= 0 && c.b >= 0), "batches, too");
+    for (const Rgb& c : f) require(std::isnan(c.r) || is_finite_and_not_negative(c), "batches, too");
     if constexpr (std::is_same_v<B, Model> || std::is_same_v<B, Measured>) check_spectra(*brdf, lights, views);
 }
 
@@ -106,26 +109,26 @@ template <typename Table> void check_measured(Result<Table> table) {
     check_values(table ? Result<Measured>(Measured{"f", "", 0, *std::move(table)}) : Result<Measured>(table.error()));
 }
 
-/// Checks that a table that was read can be written, and that reading and writing it again gives the same bytes.
+/// Checks that what was read can be written, and that reading and writing it again gives the same bytes. (The first
+/// writing may change bytes: that of a model normalises weights.)
+template <typename T, typename Read, typename Write> void check_round_trip(const T& content, Read read, Write write) {
+    const auto written = write(content);
+    const auto reread = read(written, "f");
+    require(reread.ok() && write(*reread) == written, "write(read(written)) = written");
+}
+
 inline void check_mbsdf(std::span<const std::byte> bytes) {
     const auto table = read_mbsdf(bytes, "f");
     check_measured(table);
     if (!table) return;
-    const auto written = write_mbsdf(*table);
-    const auto again = read_mbsdf(written, "f");
-    require(again.ok() && again->metadata.size() == table->metadata.size() && write_mbsdf(*again) == written,
-            "write(read(written)) = written");
+    check_round_trip(*table, read_mbsdf, [](const MbsdfTable& t) { return write_mbsdf(t); });
+    require(read_mbsdf(write_mbsdf(*table), "f")->metadata.size() == table->metadata.size(), "metadata are kept");
 }
 
-/// Checks that a model that was read can be written, and that reading and writing it again gives the same bytes. (The
-/// first writing may change bytes, since it normalises weights.)
 inline void check_model(std::span<const std::byte> bytes) {
     const auto model = read_model(bytes, "f");
     check_values(model);
-    if (!model) return;
-    const auto written = write_model(*model);
-    const auto again = read_model(written, "f");
-    require(again.ok() && write_model(*again) == written, "write(read(written)) = written");
+    if (model) check_round_trip(*model, read_model, [](const Model& m) { return write_model(m); });
 }
 
 /// Checks a model file with the given header, in which all numbers are 1.
@@ -139,13 +142,10 @@ inline void check_header(std::span<const std::byte> header) {
     check_model(file);
 }
 
-/// Checks that a map can be written and read again, as `check_model` does for a model.
 inline void check_map(std::span<const std::byte> bytes) {
     const auto map = read_map(bytes, "f");
     if (!map) return check_error(map.error());
-    const auto written = write_map(*map);
-    const auto again = read_map(written, "f");
-    require(again.ok() && write_map(*again) == written, "write(read(written)) = written");
+    check_round_trip(*map, read_map, write_map);
     check_values(Result<Model>(texel(*map, 0)));
 }
 
@@ -185,7 +185,7 @@ inline void check_picture(const Result<Mesh>& mesh) {
 inline void check_environment(const Result<Environment>& environment) {
     if (!environment) return check_error(environment.error());
     for (const Rgb& c : environment->texels().pixels)
-        require(is_finite(c) && c.r >= 0 && c.g >= 0 && c.b >= 0, "light is finite and not negative");
+        require(is_finite_and_not_negative(c), "light is finite and not negative");
     std::mt19937_64 random(1);
     for (int i = 0; i < 8; ++i) {
         const float u1 = float(uniform(random)), u2 = float(uniform(random));
@@ -206,7 +206,7 @@ inline void check_samples(const PreparedBrdf& brdf) {
         for (int i = 0; i < 16; ++i) {
             const float u = float(uniform(random)), v = float(uniform(random)), selector = float(uniform(random));
             const LightSample s = sample(brdf, wv, {std::min(u, 0.9999999f), v}, std::min(selector, 0.9999999f));
-            require(is_finite(s.weight) && s.weight.r >= 0 && s.weight.g >= 0 && s.weight.b >= 0, "a finite weight");
+            require(is_finite_and_not_negative(s.weight), "a finite weight");
             require(std::isfinite(s.pdf) && s.pdf >= 0, "a density");
             if (s.pdf > 0) require(s.wl.z > 0 && std::abs(dot(s.wl, s.wl) - 1) < 1e-4f, "a direction to the light");
         }
@@ -215,7 +215,7 @@ inline void check_samples(const PreparedBrdf& brdf) {
 inline void check_albedo(const PreparedBrdf& brdf) {
     for (const float cosine : {1.f, 0.5f, 0.01f, 1e-7f, 0.f}) {
         const Rgb a = albedo(brdf, cosine);
-        require(is_finite(a) && a.r >= 0 && a.g >= 0 && a.b >= 0, "an albedo is finite and not negative");
+        require(is_finite_and_not_negative(a), "an albedo is finite and not negative");
     }
 }
 

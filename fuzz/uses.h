@@ -1,5 +1,7 @@
 // The target that uses what a file holds: it prepares, evaluates and samples it, and runs the program on it.
 #pragma once
+#include "../test/support/exports.h"
+#include "../test/support/models.h"
 #include "in_process.h"
 #include "targets.h"
 
@@ -17,24 +19,13 @@ inline bool has_bad_number(std::string_view text) {
     return false;
 }
 
-/// The values that an option of `srbf export` accepts.
-inline std::vector<std::string> choices_of_export(std::string_view option) {
-    int status = 0;
-    CommandLine app("srbf", "", "", "");
-    add_subcommands(app, status);
-    for (const SubcommandHelp& sub : app.help().subcommands)
-        for (const OptionHelp& candidate : sub.options)
-            if (sub.name == "export" && candidate.names.back() == option) return candidate.choices;
-    return {};
-}
-
 /// A command on an input: the words after the program's name, and the extension of the output file.
 struct Use {
     std::vector<std::string> words;
     std::string extension;
 };
-/// Commands on a file. `slow` are exports of the page, of three.js, of Blender, of OSL, of Unity and of code with
-/// additional functions, and conversions; `quick` are the other exports.
+/// Commands on a file. `slow` are exports of pages, of materials of other programs and of code with additional
+/// functions, and conversions; `quick` are the other exports.
 struct Uses {
     std::vector<Use> quick, slow;
 };
@@ -44,14 +35,12 @@ inline void add_conversions(Uses& uses) {
 }
 inline Uses uses_of_models() {
     Uses uses;
-    for (const std::string& kind : choices_of_export("--to")) {
-        const bool fits_closures = kind == "blender" || kind == "osl";
+    for (const std::string& kind : export_kinds()) {
         std::vector<std::string> words{"export", "in", "--to", kind};
-        if (fits_closures) words.insert(words.end(), {"--terms", "1"});  // a tenth of the time
-        (fits_closures || kind == "html" || kind == "unity" || kind.starts_with("three") ? uses.slow : uses.quick)
-            .push_back({std::move(words), ""});
+        for (const std::string& option : quick_options(kind)) words.push_back(option);
+        (is_slow_export(kind) ? uses.slow : uses.quick).push_back({std::move(words), ""});
     }
-    for (const std::string& extra : choices_of_export("--with"))
+    for (const std::string& extra : export_option("--with").choices)
         uses.slow.push_back({{"export", "in", "--to", "c", "--with", extra}, ""});
     add_conversions(uses);
     return uses;
@@ -78,23 +67,21 @@ inline void check_uses(std::span<const std::byte> bytes) {
     for (const std::byte b : bytes) sum += std::size_t(b);
     write("in", bytes);
     const std::string path = (folder.path / "in").string();
-    bool is_model = true;
-    std::string name = "in";
     auto brdf = load_brdf(path);
-    if (!brdf) brdf = load_brdf(path + "#0"), name = "in";  // maps are exported whole
+    if (!brdf) brdf = load_brdf(path + "#0");  // a texel of a map, which is exported whole
     if (!brdf) return;
-    is_model = std::holds_alternative<Model>(*brdf);
+    const bool is_model = std::holds_alternative<Model>(*brdf);
     const PreparedBrdf prepared = std::visit(
         [&](const auto& kind) { return sum % 8 == 0 ? prepare(kind) : prepare(kind, CosineProposal{}); }, *brdf);
     check_values(Result<PreparedBrdf>(prepared));
     check_samples(prepared);
     if (sum % 8 == 0) return check_albedo(prepared);
 
-    if (!is_model) write("model", write_model({GgxModel{{0.1f, 0.1f, 0.1f}, {{0.4f, {0.5f, 0.5f, 0.5f}, 1}}}, {}}));
+    if (!is_model) write("model", write_model({grey_facets(), {}}));
     const Uses& uses = is_model ? model_uses : measurement_uses;
     const auto run = [&](const Use& use) {
-        std::vector<std::string> words{"srbf"};
-        for (const std::string& word : use.words) words.push_back(word == "in" ? name : word);
+        std::vector<std::string> words = use.words;
+        words.insert(words.begin(), "srbf");
         const std::string out = "out" + use.extension;
         if (use.words[0] != "info") words.insert(words.end(), {"-o", out});
         const InProcess done = run_in_process(folder.path, words);

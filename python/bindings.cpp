@@ -170,9 +170,6 @@ void define_functions(py::module_& module) {
     module.def("unpickled", &unpickled);
     module.def("model_of", &model_of);
     module.def("from_arrays", &brdf_of_samples);
-    module.def("change_by_azimuth", [](const Array& wl, const Array& wv, const Array& f) {
-        return change_by_azimuth(valid_samples(wl, wv, f, true));
-    });
     module.def("render", &render);
     module.def("convert", &convert);
     module.def("code", &code);
@@ -206,7 +203,7 @@ PYBIND11_MODULE(_srbf, module) {
     define_fits(module);
     define_functions(module);
     define_choices(module);
-    module.attr("most_threads") = k_max_threads;
+    module.attr("max_threads") = k_max_threads;
     module.attr("version") = SRBF_VERSION;
     module.attr("knows_numpy_2") = PYBIND11_VERSION_HEX >= 0x020C0000;
 }

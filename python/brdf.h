@@ -116,9 +116,10 @@ inline Array values_of(const PyBrdf& brdf, const Array& wl, const Array& wv) {
 inline Array channels_of(const PyBrdf& brdf, const Array& wl, const Array& wv) {
     require_unit(wl, "wl");
     require_unit(wv, "wv");
-    const Channels channels = brdf.model()                            ? srbf::channels(*brdf.model())
-                              : wavelengths(*brdf.measured()).empty() ? rgb_channels(brdf.evaluate())
-                                                                      : spectra(*brdf.measured());
+    const bool is_of_colours = !brdf.model() && wavelengths(*brdf.measured()).empty();
+    const Channels channels = is_of_colours  ? rgb_channels(brdf.evaluate())
+                              : brdf.model() ? srbf::channels(*brdf.model())
+                                             : spectra(*brdf.measured());
     const std::size_t channel_count = channels.count();
     Array f({py::ssize_t(rows(wl)), py::ssize_t(channel_count)});
     const auto l = span_of<Vec3f>(wl), v = span_of<Vec3f>(wv);
@@ -160,7 +161,8 @@ inline py::tuple sample_rows(const PyBrdf& brdf, const Array& wv, const Array& u
                 const Vec3f& numbers = uniform[i];
                 const auto light = sample(prepared, v[i], {numbers.x, numbers.y}, numbers.z);
                 const bool has_direction = is_beam(light) || light.pdf > 0;
-                directions[i] = has_direction ? light.wl : Vec3f(0, 0, -1), weights[i] = light.weight;
+                directions[i] = has_direction ? light.wl : Vec3f(0, 0, -1);
+                weights[i] = light.weight;
                 densities[i] = is_beam(light) ? std::numeric_limits<float>::infinity() : light.pdf;
             }
         });

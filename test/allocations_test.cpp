@@ -5,52 +5,49 @@
 #include "../fuzz/targets.h"
 #include "corpus.h"
 #include "properties.h"
-#include "srbf/file.h"
 #include "srbf/load.h"
-#include "temporary_folder.h"
 
 namespace {
 
 std::size_t allocations = 0, fails_at = std::size_t(-1);
 
-void* allocated(std::size_t size, std::size_t to) {
+void* allocated(std::size_t size, std::size_t alignment) {
     if (allocations++ == fails_at) throw std::bad_alloc();
-    void* const at = to > alignof(std::max_align_t) ? std::aligned_alloc(to, (size + to - 1) / to * to)
-                                                    : std::malloc(size > 0 ? size : 1);
-    if (!at) throw std::bad_alloc();
-    return at;
+    void* const memory = alignment > alignof(std::max_align_t)
+                             ? std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment)
+                             : std::malloc(size > 0 ? size : 1);
+    if (!memory) throw std::bad_alloc();
+    return memory;
 }
 
 }  // namespace
 
 void* operator new(std::size_t size) { return allocated(size, 1); }
-void* operator new(std::size_t size, std::align_val_t to) { return allocated(size, std::size_t(to)); }
-void operator delete(void* at) noexcept { std::free(at); }
-void operator delete(void* at, std::size_t) noexcept { std::free(at); }
-void operator delete(void* at, std::align_val_t) noexcept { std::free(at); }
-void operator delete(void* at, std::size_t, std::align_val_t) noexcept { std::free(at); }
+void* operator new(std::size_t size, std::align_val_t alignment) { return allocated(size, std::size_t(alignment)); }
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
 
 namespace srbf::allocations_test {
 namespace {
 
-namespace fs = std::filesystem;
-
-/// Makes allocation number `at` of `action` fail. Returns true if it makes so many.
-template <typename Action> bool fails(std::size_t at, const Action& action) {
-    allocations = 0, fails_at = at;
+/// Makes allocation number `index` of `action` fail. Returns true if it makes so many.
+template <typename Action> bool is_failed(std::size_t index, const Action& action) {
+    allocations = 0;
+    fails_at = index;
     action();
     fails_at = std::size_t(-1);
-    return allocations > at;
+    return allocations > index;
 }
 
-/// Trying every allocation takes quadratic time: after the first ones, only every k_step-th fails.
-constexpr std::size_t k_step = 127;
+/// Trying every allocation takes quadratic time: after the first k_tried, only every k_step-th fails, up to k_last.
+constexpr std::size_t k_tried = 60, k_step = 127, k_last = 3000;
 
 TEST(Allocations, FailuresEndAReader) {
-    const auto folders = corpora();
+    const auto corpus = corpus_files();
     for (const NamedTarget& target : all_targets()) {
-        for (const auto& entry : fs::directory_iterator(folders.at(target.name))) {
-            const std::string bytes = read_text(entry.path());
+        for (const std::string& bytes : corpus.at(target.name)) {
             const auto file = std::as_bytes(std::span(bytes));
             const auto read = [&] {
                 try {
@@ -67,7 +64,7 @@ TEST(Allocations, FailuresEndAReader) {
                 } catch (const std::bad_alloc&) {
                 }
             };
-            for (std::size_t at = 0; at < 3000 && fails(at, read); at += at < 60 ? 1 : k_step) continue;
+            for (std::size_t i = 0; i < k_last && is_failed(i, read); i += i < k_tried ? 1 : k_step) continue;
         }
     }
 }
@@ -85,7 +82,7 @@ TEST(Allocations, ABlackBrdfMakesNone) {
 TEST(Allocations, FailuresAreErrorsThatNameTheFile) {
     for (const char* name :
          {"measured/rgl_simple", "measured/csv_vectors", "measured/merl_small", "measured/csv_both_sides"}) {
-        const std::string path = (fs::path(SRBF_SOURCE_DIR) / "fuzz" / "corpus" / name).string();
+        const std::string path = std::string(SRBF_SOURCE_DIR "/fuzz/corpus/") + name;
         int errors = 0;
         const auto load = [&] {
             const auto loaded = load_brdf(path);
@@ -94,7 +91,7 @@ TEST(Allocations, FailuresAreErrorsThatNameTheFile) {
             EXPECT_EQ(loaded.error().what, "out of memory");
             ++errors;
         };
-        for (std::size_t at = 0; fails(at, load); ++at) continue;
+        for (std::size_t i = 0; is_failed(i, load); ++i) continue;
         EXPECT_GE(errors, 3) << name;
     }
 }

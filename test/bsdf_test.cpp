@@ -27,21 +27,22 @@ std::vector<std::pair<Vec3f, Vec3f>> random_pairs(int count) {
 TEST(Bsdf, PartsHaveFramesOfTheirOwn) {
     const Model model{lobe_bsdf_with_beams(), {}};
     const auto& parts = std::get<BsdfModel>(model.model).part;
-    std::array<int, k_parts> asked{};
+    std::array<int, k_parts> pairs_of_part{};
     std::vector<Vec3f> lights, views;
     for (const auto& [wl, wv] : random_pairs(400)) {
-        const auto at = to_part_frame(wl, wv);
-        ASSERT_TRUE(at.has_value());
-        ++asked[std::size_t(at->part)];
-        EXPECT_EQ(is_transmission(at->part), wl.z * wv.z < 0);
-        EXPECT_EQ(is_back(at->part), wl.z < 0);
-        EXPECT_EQ(to_side(at->wl, side_of_light(at->part)), wl);
-        EXPECT_EQ(to_side(at->wv, side_of_viewer(at->part)), wv);
-        EXPECT_EQ(value(model, wl, wv), value(*parts[std::size_t(at->part)], at->wl, at->wv));
+        const auto framed = to_part_frame(wl, wv);
+        ASSERT_TRUE(framed.has_value());
+        ++pairs_of_part[std::size_t(framed->part)];
+        EXPECT_EQ(is_transmission(framed->part), wl.z * wv.z < 0);
+        EXPECT_EQ(is_back(framed->part), wl.z < 0);
+        EXPECT_EQ(to_side(framed->wl, side_of_light(framed->part)), wl);
+        EXPECT_EQ(to_side(framed->wv, side_of_viewer(framed->part)), wv);
+        EXPECT_EQ(value(model, wl, wv), value(*parts[std::size_t(framed->part)], framed->wl, framed->wv));
         EXPECT_EQ(to_part_frame(wl, {-wl.x, -wl.y, -wl.z})->wv, mirror(to_part_frame(wl, wl)->wl));
-        lights.push_back(wl), views.push_back(wv);
+        lights.push_back(wl);
+        views.push_back(wv);
     }
-    for (const int n : asked) EXPECT_GT(n, 50);
+    for (const int n : pairs_of_part) EXPECT_GT(n, 50);
     std::vector<Rgb> f(lights.size());
     evaluator(model)(lights, views, f);
     for (std::size_t i = 0; i < f.size(); ++i) EXPECT_RGB_WITHIN(f[i], value(model, lights[i], views[i]), 1e-5);
@@ -52,7 +53,8 @@ TEST(Bsdf, PartsHaveFramesOfTheirOwn) {
 /// A part that is empty is answered by its counterpart: transmission is then reciprocal.
 TEST(Bsdf, MissingPartsHaveTheValuesOfTheirCounterparts) {
     BsdfModel bsdf = lobe_bsdf_with_beams();
-    bsdf.part[1].reset(), bsdf.part[3].reset();
+    bsdf.part[1].reset();
+    bsdf.part[3].reset();
     const Model model{bsdf, {}};
     for (const auto& [wl, wv] : random_pairs(400)) {
         const bool across = wl.z * wv.z < 0;
@@ -60,14 +62,13 @@ TEST(Bsdf, MissingPartsHaveTheValuesOfTheirCounterparts) {
     }
     Model swapped = model;
     exchange(swapped);
-    const Model whole{lobe_bsdf_with_beams(), {}};
-    Model whole_swapped = whole;
-    exchange(whole_swapped);
-    for (const auto& [wl, wv] : random_pairs(200))
-        for (int c = 0; c < 3; ++c) {
-            EXPECT_WITHIN(value(swapped, wl, wv)[c], value(model, wv, wl)[c], 1e-6);
-            EXPECT_WITHIN(value(whole_swapped, wl, wv)[c], value(whole, wv, wl)[c], 1e-6);
-        }
+    const Model complete{lobe_bsdf_with_beams(), {}};
+    Model complete_swapped = complete;
+    exchange(complete_swapped);
+    for (const auto& [wl, wv] : random_pairs(200)) {
+        EXPECT_RGB_WITHIN(value(swapped, wl, wv), value(model, wv, wl), 1e-6);
+        EXPECT_RGB_WITHIN(value(complete_swapped, wl, wv), value(complete, wv, wl), 1e-6);
+    }
 }
 
 TEST(Bsdf, FilesKeepAllParts) {
@@ -76,17 +77,15 @@ TEST(Bsdf, FilesKeepAllParts) {
     bsdf.part[1].reset();
     bsdf.part[2] = std::make_shared<const Model>(Model{GgxModel{{0.1f, 0.2f, 0.3f}, {GgxModel::Lobe{}}}, {}});
     const auto bytes = write_model(model);
-    const auto again = checked(read_model(bytes, "m"));
-    EXPECT_EQ(write_model(*again), bytes);
-    EXPECT_EQ(again->provenance, model.provenance);
-    EXPECT_EQ(payload_bytes(*again), payload_bytes(model));
-    const auto& read = std::get<BsdfModel>(again->model);
+    const auto reread = checked(read_model(bytes, "m"));
+    EXPECT_EQ(write_model(*reread), bytes);
+    EXPECT_EQ(reread->provenance, model.provenance);
+    EXPECT_EQ(payload_bytes(*reread), payload_bytes(model));
+    const auto& read = std::get<BsdfModel>(reread->model);
     EXPECT_FALSE(read.part[1]);
     EXPECT_TRUE(std::holds_alternative<GgxModel>(read.part[2]->model));
     for (const auto& [wl, wv] : random_pairs(200))
-        for (int c = 0; c < 3; ++c)
-            EXPECT_WITHIN(value(*again, wl, wv)[c], value(model, wl, wv)[c],
-                          1e-4 + 0.02 * double(value(model, wl, wv)[c]));
+        EXPECT_RGB_WITHIN_RELATIVE(value(*reread, wl, wv), value(model, wl, wv), 0.02, 1e-4);
     for (std::size_t size = 0; size < bytes.size(); size += 7)
         EXPECT_FALSE(read_model(std::span(bytes).first(size), "m").ok());
 }
@@ -96,8 +95,7 @@ TEST(Bsdf, RefusesBadBeams) {
     const auto error_of = [](std::vector<int> azimuths, std::size_t nodes) {
         BsdfModel bsdf = lobe_bsdf_with_beams();
         bsdf.beam[2] = {{0.25f, 0.5f}, std::vector<Rgb>(nodes, Rgb{0.1f, 0.2f, 0.3f}), std::move(azimuths)};
-        const auto again = read_model(write_model({bsdf, {}}), "f");
-        return error_text(again);
+        return error_text(read_model(write_model({bsdf, {}}), "f"));
     };
     EXPECT_EQ(error_of({1, 3}, 4), "");
     EXPECT_EQ(error_of({1, 3}, 3), "f: tensor 'beam.transmission.share': shape: expected [4, 3], found [3, 3]");
@@ -116,9 +114,10 @@ TEST(Bsdf, SamplesFollowTheDensity) {
         const Vec3f wv = to_float(spherical(theta * k_degree, 0.7));
         std::mt19937_64 random(std::uint64_t(++test));
         const auto next = [&] { return float(uniform(random)); };
-        PolarBins bins{{0, 0, 1}, {0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6, 1.8, 1.9, 2}};
+        const PolarBins bins = sphere_bins();
         const auto density = [&](Vec3d w) { return double(pdf(bsdf, to_float(w), wv)); };
-        std::vector<double> expected = bins.integrals(density, 48), observed(bins.size());
+        const std::vector<double> mass = bins.integrals(density, 48);
+        std::vector<double> observed(bins.size());
         constexpr int count = 200000;
         int beams = 0, lost = 0;
         double scattered = 0, squares = 0, by_beam = 0;
@@ -142,22 +141,16 @@ TEST(Bsdf, SamplesFollowTheDensity) {
             EXPECT_EQ(both.pdf, pdf(bsdf, drawn.wl, wv));
             EXPECT_EQ(both.value, value(bsdf, drawn.wl, wv));
             observed[bins.index(to_double(drawn.wl))] += 1;
-            scattered += double(drawn.weight.r), squares += std::pow(double(drawn.weight.r), 2);
+            scattered += double(drawn.weight.r);
+            squares += std::pow(double(drawn.weight.r), 2);
         }
-        double mass = 0;
-        for (double& m : expected) mass += m, m *= count;
-        EXPECT_WITHIN(mass + double(beams + lost) / count, 1, 5e-3);
-        // The expected counts are scaled to as many samples as were drawn.
-        double drawn = 0, due = 0;
-        for (std::size_t i = 0; i < observed.size(); ++i) drawn += observed[i], due += expected[i];
-        for (double& m : expected) m *= drawn / due;
-        EXPECT_GT(chi2_p_value(observed, expected), sidak(0.01, 4)) << theta;
+        EXPECT_WITHIN(sum_of(mass) + double(beams + lost) / count, 1, 5e-3);
+        EXPECT_GT(chi2_p_value_of_shape(observed, mass), sidak(0.01, 4)) << theta;
         // Weights are unbiased: the light that arrives, and that of the beams.
-        double whole = 0;
-        const auto each = [&](Vec3d w) { return double(value(bsdf, to_float(w), wv).r) * std::abs(w.z); };
-        for (const double m : bins.integrals(each, 48)) whole += m;
+        const double reflected =
+            sum_of(bins.integrals([&](Vec3d w) { return double(value(bsdf, to_float(w), wv).r) * std::abs(w.z); }, 48));
         const double mean = scattered / count, deviation = std::sqrt((squares / count - mean * mean) / count);
-        EXPECT_WITHIN(mean, whole, 4 * deviation + 2e-3 * whole);
+        EXPECT_WITHIN(mean, reflected, 4 * deviation + 2e-3 * reflected);
         const Beams beam = lobe_bsdf_with_beams().beam;
         const Vec3f from = mirror(wv);
         const bool front = theta < 90;
@@ -214,12 +207,13 @@ TEST(Bsdf, IsConverted) {
     for (const char* name : {"x.mbsdf", "x.csv"}) {
         const Format& format = *format_written_to(name);
         const auto bytes = checked(table_file(model, format, {.description = "a leaf", .directions = 48}));
-        const auto again = checked(read_measured(*bytes, "f"));
+        const auto reread = checked(read_measured(*bytes, "f"));
         double error = 0, energy = 0;
         for (const auto& [wl, wv] : random_pairs(2000)) {
             if (std::min(std::abs(wl.z), std::abs(wv.z)) < 0.2) continue;
-            const double a = double(value(std::get<Model>(model), wl, wv).g), b = double(value(*again, wl, wv).g);
-            error += (a - b) * (a - b), energy += a * a;
+            const double a = double(value(std::get<Model>(model), wl, wv).g), b = double(value(*reread, wl, wv).g);
+            error += (a - b) * (a - b);
+            energy += a * a;
         }
         EXPECT_LT(error / energy, format.name == "MBSDF" ? 1e-4 : 2e-2);
     }

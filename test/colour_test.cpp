@@ -5,10 +5,11 @@
 namespace srbf::colour_test {
 namespace {
 
+/// Wavelengths at equal steps [nm].
 std::vector<float> every(float step, float first = 400, float last = 700) {
-    std::vector<float> nm;
-    for (float at = first; at <= last; at += step) nm.push_back(at);
-    return nm;
+    std::vector<float> wavelengths;
+    for (float nm = first; nm <= last; nm += step) wavelengths.push_back(nm);
+    return wavelengths;
 }
 
 TEST(Colour, WhiteReflectorIsWhite) {
@@ -22,10 +23,9 @@ TEST(Colour, WhiteReflectorIsWhite) {
         Rgb sum;
         for (const Rgb& weight : rgb_weights(nm))
             for (int c = 0; c < 3; ++c) sum[c] += weight[c];
-        for (int c = 0; c < 3; ++c) EXPECT_WITHIN(sum[c], 1, 3e-6);
+        EXPECT_RGB_WITHIN(sum, (Rgb{1, 1, 1}), 3e-6);
     }
-    const Rgb rgb = to_rgb(white);
-    for (int c = 0; c < 3; ++c) EXPECT_WITHIN(rgb[c], 1, 1e-6);
+    EXPECT_RGB_WITHIN(to_rgb(white), (Rgb{1, 1, 1}), 1e-6);
 }
 
 TEST(Colour, PrimariesAreThoseOfSrgb) {
@@ -54,7 +54,7 @@ TEST(Colour, MonochromesLieWhereTheObserverSeesThem) {
 TEST(Colour, SmoothSpectraDoNotDependOnTheirSampling) {
     const auto colour_of = [](const std::vector<float>& nm) {
         std::vector<float> spectrum;
-        for (const float at : nm) spectrum.push_back(0.5f + 0.4f * std::sin(at / 60));
+        for (const float wavelength : nm) spectrum.push_back(0.5f + 0.4f * std::sin(wavelength / 60));
         return to_rgb(spectrum, rgb_weights(nm));
     };
     const Rgb fine = colour_of(every(1, 360, 830)), coarse = colour_of(every(5, 360, 830));

@@ -2,9 +2,8 @@
 #include <regex>
 
 #include "app/map_layers.h"
-#include "brdf/values.h"
+#include "brdf_functions.h"
 #include "command.h"
-#include "errors/measures.h"
 #include "models.h"
 #include "models/openpbr/openpbr_kind.h"
 #include "srbf/measured.h"
@@ -59,10 +58,8 @@ TEST_F(Command, ExportWritesAPageOrNothing) {
     // The page shows the errors that `srbf compare` reports as held out.
     const auto measured = checked(load_measured(k_paper));
     const auto model = checked(load_model(*fitted / "m.srbf"));
-    const Evaluate others[] = {evaluator(*model)};
     const double error =
-        measure_heldout(rgb_channels(evaluator(*measured)), rgb_channels(others), {89 * k_degree, 0})[0]
-            .squared_error_ratio_cosine;
+        heldout_measures(evaluator(*measured), evaluator(*model), 89 * k_degree).squared_error_ratio_cosine;
     EXPECT_CONTAINS(html, fmt::format("<td>{:.3g} %</td>", 100 * error));
     EXPECT_LT(html.size(), 3'000'000u);
     EXPECT_LT(read_text(folder / "alone.html").size(), html.size());
@@ -173,10 +170,7 @@ TEST_F(Command, InfoDescribesFiles) {
 }
 
 TEST_F(Command, InfoWarnsOfAlbedosAboveOne) {
-    PmModel model;  // f = 0.4, an albedo of 0.4 π
-    model.lobes = model.variates = 1;
-    model.coefficient = {{0.1f, 0.4f, 0.2f}};
-    model.log_scale = {0}, model.centre = {{0, 0, 1}}, model.bandwidth = {0}, model.parameterization = {{1, 1}};
+    const PmModel model = axial_gaussians({{0.1f, 0.4f, 0.2f}}, {0});  // f = 0.4, an albedo of 0.4 π
     ASSERT_TRUE(save_model({model, {}}, folder / "bright.srbf").ok());
     const ProgramRun info = run_ok(folder, {"info", "bright.srbf"});
     for (const char* word : {"1.256", "warning", "more light than it receives at θv = 0°, 15°", "reciprocity error 0 %",
@@ -206,16 +200,18 @@ TEST_F(Command, EvalKeepsOrderAndTextOfRows) {
 
 TEST_F(Command, EvalNamesTheLineAtFault) {
     const std::string header = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n", good = "0,0,1,0,0,1\n";
-    const std::pair<std::string, std::string> bad[] = {{"", "pairs.csv: line 1"},
-                                                       {"wl_x,wl_y,wl_z,wv_x,wv_y\n", "line 1: header"},
-                                                       {header + good + "0,0,one,0,0,1\n", "line 3: column wl_z"},
-                                                       {header + good + good + "0,0,1,0,0\n", "line 4: column wv_z"},
-                                                       {header + "0,0,1,0,0,nan\n", "line 2: column wv_z"},
-                                                       {header + "0,0,1,0,0,1e999\n", "line 2: column wv_z"},
-                                                       {header + "0,0,1,0,0.2,1\n", "line 2: direction wv"}};
-    for (const auto& [csv, message_part] : bad) {
+    struct Case {
+        std::string csv, expected;
+    };
+    for (const auto& [csv, expected] : {Case{"", "pairs.csv: line 1"},
+                                        {"wl_x,wl_y,wl_z,wv_x,wv_y\n", "line 1: header"},
+                                        {header + good + "0,0,one,0,0,1\n", "line 3: column wl_z"},
+                                        {header + good + good + "0,0,1,0,0\n", "line 4: column wv_z"},
+                                        {header + "0,0,1,0,0,nan\n", "line 2: column wv_z"},
+                                        {header + "0,0,1,0,0,1e999\n", "line 2: column wv_z"},
+                                        {header + "0,0,1,0,0.2,1\n", "line 2: direction wv"}}) {
         write_text(folder / "pairs.csv", csv);
-        expect_failure(1, {"eval", *fitted / "m.srbf", "--pairs", "pairs.csv"}, message_part);
+        expect_failure(1, {"eval", *fitted / "m.srbf", "--pairs", "pairs.csv"}, expected);
     }
     expect_failure(1, {"eval", *fitted / "m.srbf", "--pairs", "none.csv"}, "none.csv");
 }
@@ -262,21 +258,21 @@ TEST_F(Command, CompletionsAndTheManualAgreeWithHelp) {
     write_text(folder / "ask",
                "source ./completion; COMP_WORDS=(\"$@\"); COMP_CWORD=$(($# - 1)); _srbf; echo \"${COMPREPLY[@]}\"");
     const auto offered = [&](const std::string& words) {
-        FILE* pipe = popen(fmt::format("cd {} && bash ask {} 2>&1", folder.path.string(), words).c_str(), "r");
+        FILE* pipe = popen(fmt::format("cd {} && bash ask srbf {} 2>&1", folder.path.string(), words).c_str(), "r");
         std::string text(200, '\0');
         text.resize(std::fread(text.data(), 1, text.size(), pipe));
         pclose(pipe);
         return text;
     };
-    EXPECT_TRUE(offered("srbf re").starts_with("render"));
-    EXPECT_EQ(offered("srbf ex"), "export\n");
-    EXPECT_EQ(offered("srbf fit --model ''"), "pm su ggx openpbr gltf principled\n");
-    EXPECT_EQ(offered("srbf fit --ob"), "--objective\n");
-    EXPECT_EQ(offered("srbf --max"), "--max-memory\n");
-    EXPECT_EQ(offered("srbf --max-memory ''"), "\n");
-    EXPECT_EQ(offered("srbf --max-memory 500 ex"), "export\n");
-    EXPECT_EQ(offered("srbf --max-memory 500 fit --ob"), "--objective\n");
-    EXPECT_EQ(offered("srbf fit pap"), "\n");  // a file: bash's own completion
+    EXPECT_TRUE(offered("re").starts_with("render"));
+    EXPECT_EQ(offered("ex"), "export\n");
+    EXPECT_EQ(offered("fit --model ''"), "pm su ggx openpbr gltf principled\n");
+    EXPECT_EQ(offered("fit --ob"), "--objective\n");
+    EXPECT_EQ(offered("--max"), "--max-memory\n");
+    EXPECT_EQ(offered("--max-memory ''"), "\n");
+    EXPECT_EQ(offered("--max-memory 500 ex"), "export\n");
+    EXPECT_EQ(offered("--max-memory 500 fit --ob"), "--objective\n");
+    EXPECT_EQ(offered("fit pap"), "\n");  // a file: bash's own completion
 }
 
 TEST_F(Command, ConvertCopiesAndConverts) {
@@ -298,8 +294,10 @@ TEST_F(Command, ConvertCopiesAndConverts) {
 
 TEST_F(Command, SurfacesAreExportedForOtherPrograms) {
     OpenPbrModel surface{.base_color = {0.9f, 0.6f, 0.3f}, .base_metalness = 1, .specular_roughness = 0.2f};
-    surface.coat_weight = 1, surface.coat_roughness = 0.5f;
-    surface.thin_film_weight = 0.5f, surface.thin_film_thickness = 0.25f;
+    surface.coat_weight = 1;
+    surface.coat_roughness = 0.5f;
+    surface.thin_film_weight = 0.5f;
+    surface.thin_film_thickness = 0.25f;
     ASSERT_TRUE(save_model({rounded(surface), {{"source", "a--b.bsdf"}}}, folder / "s.srbf").ok());
     const std::string openpbr = exported("mtlx"), standard = exported("standard-surface"),
                       script = exported("principled");
@@ -355,7 +353,8 @@ TEST_F(Command, SurfacesAreExportedForOtherPrograms) {
 /// Facets that are rougher along the tangent than across it, written for the other programs.
 TEST_F(Command, AnisotropicSurfacesAreExportedForOtherPrograms) {
     OpenPbrModel surface{.base_metalness = 1, .specular_roughness = 0.5f};
-    surface.specular_roughness_anisotropy = 0.5f, surface.specular_rotation = 0.125f;
+    surface.specular_roughness_anisotropy = 0.5f;
+    surface.specular_rotation = 0.125f;
     ASSERT_TRUE(save_model({surface, {}}, folder / "s.srbf").ok());
     const std::string openpbr = exported("mtlx"), usd = exported("usd"), script = exported("principled");
     EXPECT_CONTAINS(openpbr, "name=\"amount\" type=\"float\" value=\"-45\"");

@@ -60,10 +60,8 @@ TEST(MirrorMixture, DensityIntegratesToOneOverTheSphere) {
         const MirrorMixture mixture(theta_max);
         for (const double view : k_views) {
             const Vec3d wv = spherical(view, 2.0);
-            double sum = 0;
-            for (const double m : bins_about(mirror(wv)).integrals([&](Vec3d w) { return mixture.pdf(w, wv); }))
-                sum += m;
-            EXPECT_WITHIN(sum, 1, 2e-3) << theta_max << ' ' << view;
+            const auto mass = bins_about(mirror(wv)).integrals([&](Vec3d w) { return mixture.pdf(w, wv); });
+            EXPECT_WITHIN(sum_of(mass), 1, 2e-3) << theta_max << ' ' << view;
         }
     }
 }
@@ -114,7 +112,6 @@ TEST(Nearest, AgreesWithASearchOfAllDirections) {
 TEST(DirectionMaps, ATexelHoldsItsCentre) {
     for (const auto map : {DirectionMap::cube, DirectionMap::parabolic})
         for (const int size : {1, 2, 7, 128}) {
-            std::vector<Vec3f> seen;
             for (std::size_t texel = 0; texel < texels(map, size); ++texel) {
                 const Vec3f w = texel_direction(map, size, texel);
                 EXPECT_WITHIN(double(dot(w, w)), 1, 1e-6);

@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "brdf_functions.h"
 #include "edit/lobes.h"
 #include "errors/picture_errors.h"
 #include "microsurface_walk.h"
@@ -32,6 +33,7 @@ const Material k_materials[] = {
     {"two_lobes", {{0.1f, 0.05f, 0.05f}, {{0.1f, {0.04f, 0.04f, 0.04f}, 1}, {0.4f, {0.1f, 0.1f, 0.1f}, 1}}}},
 };
 
+/// The mean ΔE_ITP of small pictures, of which 1 is just noticeable.
 double visible_error(const Evaluate& truth, const Evaluate& other) {
     constexpr int k_pixels = 32;
     return compare_pictures(truth, {&other, 1}, {.size = k_pixels, .is_isotropic = true})[0].mean.delta_e;
@@ -98,17 +100,13 @@ TEST(Edit, RoughenedFitsLookLikeRougherFacets) {
 
 TEST(Edit, TintedFitsLookLikeFacetsOfThoseColours) {
     const Rgb highlight{1, 0.8f, 0.6f}, body{0.5f, 1, 0.8f};
-    const auto times = [](const Rgb& a, const Rgb& b) { return Rgb{a.r * b.r, a.g * b.g, a.b * b.b}; };
     for (const Material& material : k_materials) {
-        const GgxModel& ggx = material.truth;
-        const Evaluate truth = [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-            const GgxModel facets{{}, ggx.lobes}, diffuse{ggx.diffuse, {{1, {}, 0}}};
-            for (std::size_t i = 0; i < f.size(); ++i) {
-                const Rgb a = times(value(facets, wl[i], wv[i]), highlight);
-                const Rgb b = times(value(diffuse, wl[i], wv[i]), body);
-                f[i] = {a.r + b.r, a.g + b.g, a.b + b.b};
-            }
-        };
+        const GgxModel facets{{}, material.truth.lobes}, diffuse{material.truth.diffuse, {{1, {}, 0}}};
+        const Evaluate truth = pairwise([&](Vec3f wl, Vec3f wv) {
+            Rgb sum, a = value(facets, wl, wv), b = value(diffuse, wl, wv);
+            for (int c = 0; c < 3; ++c) sum[c] = a[c] * highlight[c] + b[c] * body[c];
+            return sum;
+        });
         const Model fit = material.fit(), tint = with_edit(fit, Tint{highlight, body});
         EXPECT_LE(visible_error(truth, evaluator(tint)), 1.5) << material.name;
         expect_lawful(tint);
@@ -118,14 +116,14 @@ TEST(Edit, TintedFitsLookLikeFacetsOfThoseColours) {
 TEST(Edit, HueKeepsLuminanceAndSaturationEndsInGrey) {
     std::mt19937_64 random(2);
     const Model model{random_model(random, {.form = PmForm::reciprocal}), {}};
-    const PmModel grey = saturated(pm(model), 0), turn = turn_hue(pm(model), 2 * k_pi),
-                  third = turn_hue(pm(model), 0.3);
+    const PmModel grey = saturated(pm(model), 0), whole_turn = turn_hue(pm(model), 2 * k_pi),
+                  short_turn = turn_hue(pm(model), 0.3);
     for (std::size_t j = 0; j < grey.coefficient.size(); ++j) {
         const Rgb colour = pm(model).coefficient[j];
         EXPECT_WITHIN(grey.coefficient[j].r, luminance(colour), 1e-6);
         EXPECT_WITHIN(grey.coefficient[j].b, luminance(colour), 1e-6);
-        EXPECT_RGB_WITHIN(turn.coefficient[j], colour, 1e-6);
-        const Rgb moved = third.coefficient[j];
+        EXPECT_RGB_WITHIN(whole_turn.coefficient[j], colour, 1e-6);
+        const Rgb moved = short_turn.coefficient[j];
         EXPECT_TRUE(std::min({moved.r, moved.g, moved.b}) == 0 || near(luminance(moved), luminance(colour), 1e-6));
     }
     // Red becomes green and green blue by a third of a turn, but for grey.
@@ -140,14 +138,9 @@ TEST(Edit, RotatesTheTangent) {
     std::mt19937_64 random(3);
     const Model model{random_model(random, {.axial = false, .form = PmForm::extended}), {}};
     const PmModel rotated_model = rotated(pm(model), 0.7);
-    const auto turn = [](Vec3d w) {
-        const double cosine = std::cos(0.7), sine = std::sin(0.7);
-        return to_float({cosine * w.x - sine * w.y, sine * w.x + cosine * w.y, w.z});
-    };
     for (int i = 0; i < 100; ++i) {
-        const Vec3d wl = random_direction(random, 0.05), wv = random_direction(random, 0.05);
-        EXPECT_WITHIN_RELATIVE(value(rotated_model, turn(wl), turn(wv)).g,
-                               value(pm(model), to_float(wl), to_float(wv)).g, 1e-3);
+        const Vec3f wl = to_float(random_direction(random, 0.05)), wv = to_float(random_direction(random, 0.05));
+        EXPECT_WITHIN_RELATIVE(value(rotated_model, rotate(wl, 0.7), rotate(wv, 0.7)).g, value(model, wl, wv).g, 1e-3);
     }
 }
 
@@ -158,13 +151,12 @@ TEST(Edit, BlendsAreMeansAndAreReduced) {
     for (int i = 0; i < 500; ++i) {
         const Vec3f wl = to_float(random_direction(random, 0.02)), wv = to_float(random_direction(random, 0.02));
         const Rgb f = value(*blend, wl, wv), value_a = value(a, wl, wv), value_b = value(b, wl, wv);
-        for (int c = 0; c < 3; ++c) EXPECT_WITHIN_RELATIVE(f[c], (value_a[c] + value_b[c]) / 2, 1e-4);
+        EXPECT_RGB_WITHIN_RELATIVE(f, mixed(value_a, value_b, 0.5f), 1e-4, 0);
     }
     expect_lawful(*blend);
-    const Evaluate truth = [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-        for (std::size_t i = 0; i < f.size(); ++i)
-            f[i] = mixed(value(k_materials[0].truth, wl[i], wv[i]), value(k_materials[1].truth, wl[i], wv[i]), 0.5f);
-    };
+    const Evaluate truth = pairwise([](Vec3f wl, Vec3f wv) {
+        return mixed(value(k_materials[0].truth, wl, wv), value(k_materials[1].truth, wl, wv), 0.5f);
+    });
     const Model few = with_edit(*blend, Reduce{8});
     EXPECT_EQ(pm(few).lobes, 8);
     const double fit_errors = 0.5 * (visible_error(evaluator(k_materials[0].truth), evaluator(a)) +
@@ -229,9 +221,7 @@ TEST(Edit, CoatsLookLikeWalksBetweenTheirLayers) {
         const Coat coat{roughness, 1.5, {1, 1, 1}};
         const SimulatedCoat simulated(MicrosurfaceWalk(base, roughness, coat.ior), apply_coat(evaluator(base), coat),
                                       k_paths);
-        const Evaluate truth = [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-            for (std::size_t i = 0; i < f.size(); ++i) f[i] = simulated.value(wl[i], wv[i]);
-        };
+        const Evaluate truth = pairwise([&](Vec3f wl, Vec3f wv) { return simulated.value(wl, wv); });
         const Model fit = k_materials[material].fit();
         const double error = visible_error(truth, evaluator(coated_fit(material, roughness)));
         EXPECT_LE(error, 4) << k_materials[material].name << ' ' << roughness;

@@ -20,12 +20,14 @@ double error_in_ulp(double x, long double exact) {
 
 using Function = double (*)(double);
 using Exact = long double (*)(long double);
-/// The largest error of f at numbers that are uniform in [low, high], or whose logarithms are.
-double largest_error(Function f, Exact exact, double low, double high, bool is_logarithmic = false) {
+enum class Spacing { linear, logarithmic };
+/// The largest error of f at numbers that are uniform in [low, high], or whose logarithms are [units of the last place].
+double largest_error(Function f, Exact exact, double low, double high, Spacing spacing = Spacing::linear) {
     std::mt19937_64 random(1);
     double largest = 0;
     for (int i = 0; i < k_count; ++i) {
-        const double u = uniform(random), x = is_logarithmic ? low * std::pow(high / low, u) : low + u * (high - low);
+        const double u = uniform(random),
+                     x = spacing == Spacing::logarithmic ? low * std::pow(high / low, u) : low + u * (high - low);
         largest = std::max(largest, error_in_ulp(f(x), exact(x)));
     }
     return largest;
@@ -33,16 +35,17 @@ double largest_error(Function f, Exact exact, double low, double high, bool is_l
 
 TEST(Elementary, ErrorsAreThoseThatAreStated) {
     using namespace elementary;
+    using enum Spacing;
     EXPECT_LE(largest_error(exp, std::exp, -700, 700), 1.1);
     EXPECT_LE(largest_error(exp, std::exp, -1, 1), 1.1);
     EXPECT_LE(largest_error(exp2, std::exp2, -1, 1), 2);
-    EXPECT_LE(largest_error(log, std::log, 1e-300, 1e300, true), 2);
+    EXPECT_LE(largest_error(log, std::log, 1e-300, 1e300, logarithmic), 2);
     EXPECT_LE(largest_error(log, std::log, 0.5, 2), 2);
-    EXPECT_LE(largest_error(log2, std::log2, 1e-3, 1e3, true), 3);
-    EXPECT_LE(largest_error(log10, std::log10, 1e-3, 1e3, true), 3);
-    EXPECT_LE(largest_error(log1p, std::log1p, 1e-17, 100, true), 3);
-    EXPECT_LE(largest_error(log1p, std::log1p, -0.999, -1e-17, true), 3);
-    EXPECT_LE(largest_error(cbrt, std::cbrt, 1e-80, 1e80, true), 1.1);
+    EXPECT_LE(largest_error(log2, std::log2, 1e-3, 1e3, logarithmic), 3);
+    EXPECT_LE(largest_error(log10, std::log10, 1e-3, 1e3, logarithmic), 3);
+    EXPECT_LE(largest_error(log1p, std::log1p, 1e-17, 100, logarithmic), 3);
+    EXPECT_LE(largest_error(log1p, std::log1p, -0.999, -1e-17, logarithmic), 3);
+    EXPECT_LE(largest_error(cbrt, std::cbrt, 1e-80, 1e80, logarithmic), 1.1);
     EXPECT_LE(largest_error(sin, std::sin, -1e5, 1e5), 3);
     EXPECT_LE(largest_error(cos, std::cos, -1e5, 1e5), 3);
     EXPECT_LE(largest_error(asin, std::asin, -1, 1), 6);
@@ -50,10 +53,10 @@ TEST(Elementary, ErrorsAreThoseThatAreStated) {
     const auto angle = [](double x) { return elementary::atan2(x, 1.0); };
     const auto obtuse = [](double x) { return elementary::atan2(x, -1.0); };
     EXPECT_LE(largest_error(
-                  angle, [](long double x) { return std::atan2(x, 1.0L); }, 1e-17, 1e17, true),
+                  angle, [](long double x) { return std::atan2(x, 1.0L); }, 1e-17, 1e17, logarithmic),
               4);
     EXPECT_LE(largest_error(
-                  obtuse, [](long double x) { return std::atan2(x, -1.0L); }, 1e-17, 1e17, true),
+                  obtuse, [](long double x) { return std::atan2(x, -1.0L); }, 1e-17, 1e17, logarithmic),
               4);
     for (const double y : {1.0 / 6, 2.4, -4.0 / 3, 20.0}) {
         std::mt19937_64 random(2);

@@ -3,6 +3,7 @@
 #include "observe/excess.h"
 
 #include "brdf/directions.h"
+#include "brdf_functions.h"
 #include "models/pm/search/subsets.h"
 #include "observe/observations.h"
 #include "observe/pairs.h"
@@ -12,11 +13,7 @@ namespace srbf::excess_test {
 namespace {
 
 Observations lambertian_observations() {
-    return *observe(
-        [](auto, auto, auto f) {
-            std::fill(f.begin(), f.end(), Rgb{0.3f, 0.3f, 0.3f});
-        },
-        {Objective::cosine, 0, 1 << 16, 4});
+    return *observe(constant_brdf({0.3f, 0.3f, 0.3f}), {Objective::cosine, 0, 1 << 16, 4});
 }
 
 /// A constant, and a lobe of 1e6 about grazing directions of light and viewer, both at one azimuth.
@@ -79,15 +76,15 @@ TEST(Subsets, GrowByPairsAtWhichCandidatesExceedTheMeasurement) {
     Subsets subsets(o);
     const auto rows = [&] { return subsets.rows(RowSet::search, {.albedos = false}).wl[0].size(); };
     const std::size_t before = rows();
-    const auto with = [&](Vec3d p) {
+    const auto rows_after_adding = [&](Vec3d p) {
         const Candidate candidate{.lobes = {shape_of(options), {0}, {p.x, p.y, p.z}}, .loss = 1};
         subsets.add_exceeded_pairs({candidate}, shape_of(options));
         return rows();
     };
-    EXPECT_EQ(with({0, 0, 0}), before);                     // the constant
+    EXPECT_EQ(rows_after_adding({0, 0, 0}), before);        // the constant
     EXPECT_WITHIN(subsets.integral_importance(), 0, 1e-6);  // which leaves no loss
     // A lobe of a quarter of a degree, as large as the constant where it is seen first, a degree from its centre.
-    EXPECT_GT(with(60000.0 * spherical(0.7, 1.3)), before);
+    EXPECT_GT(rows_after_adding(60000.0 * spherical(0.7, 1.3)), before);
     EXPECT_WITHIN(subsets.integral_importance(), 0.004 / 0.03, 1e-6);  // no more than a loss of 0.004 counts
 }
 

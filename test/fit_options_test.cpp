@@ -26,7 +26,7 @@ std::string accepted(const FitOptionRow& option) {
     return option.expected.substr(0, option.expected.find(' '));
 }
 
-TEST(PmFitOptions, AcceptTheirTextsAndRefuseOthersByName) {
+TEST(OptionsOfAFit, AcceptTheirTextsAndRefuseOthersByName) {
     for (const FitOptionRow& option : fit_options()) {
         EXPECT_TRUE(fit_request(with(option, accepted(option))).ok()) << option.name;
         for (const char* text : {"", "nan", "-1", "1e99", "no such word"}) {
@@ -44,28 +44,25 @@ TEST(PmFitOptions, AcceptTheirTextsAndRefuseOthersByName) {
     }
 }
 
-TEST(PmFitOptions, AreReadByTheirModelsAlone) {
+TEST(OptionsOfAFit, AreReadByTheirModelsAlone) {
     for (const FitOptionRow& option : fit_options())
         for (const std::string_view model : k_model_names) {
             FitTexts texts = with(option, accepted(option));
             texts["model"] = model;
-            bool reads = option.models.empty();
-            for (const FitOptionRow& row : fit_options())
-                reads = reads || (row.name == option.name && std::ranges::count(row.models, model) > 0);
-            if (reads || option.name == "model") continue;
+            const bool is_read = std::ranges::any_of(fit_options(), [&](const FitOptionRow& row) {
+                return row.name == option.name && std::ranges::count(row.models, model) > 0;
+            });
+            if (is_read || option.models.empty() || option.name == "model") continue;
             const auto refused = fit_request(texts);
             ASSERT_FALSE(refused.ok()) << option.name << " " << model;
             EXPECT_CONTAINS(message(refused.error()), "only with model ");
         }
 }
 
-TEST(PmFitOptions, SetWhatTheyName) {
-    const auto request = checked(fit_request({{"lobes", "3"},
-                                              {"variates", "2"},
-                                              {"axial", "false"},
-                                              {"max_theta", "70"},
-                                              {"objective", "raw"},
-                                              {"seed", "18446744073709551615"}}));
+TEST(OptionsOfAFit, SetWhatTheyName) {
+    const FitTexts texts{{"lobes", "3"},      {"variates", "2"},    {"axial", "false"},
+                         {"max_theta", "70"}, {"objective", "raw"}, {"seed", "18446744073709551615"}};
+    const auto request = checked(fit_request(texts));
     const auto& pm = std::get<PmRequest>(request->model);
     EXPECT_EQ(std::get<LobeCount>(*pm.size).lobes, 3);
     EXPECT_EQ(pm.variates, 2);
@@ -77,7 +74,7 @@ TEST(PmFitOptions, SetWhatTheyName) {
     EXPECT_TRUE(std::holds_alternative<AutomaticLobes>(*std::get<PmRequest>(automatic->model).size));
 }
 
-TEST(PmFitOptions, ExcludeEachOtherInTheSpellingOfWhoeverGivesThem) {
+TEST(OptionsOfAFit, ExcludeEachOtherInTheSpellingOfWhoeverGivesThem) {
     const Spelling loud = [](std::string_view name) { return "<" + std::string(name) + ">"; };
     const std::pair<FitTexts, std::string> wrong[] = {
         {{{"target_delta_e", "3"}, {"lobes", "3"}},

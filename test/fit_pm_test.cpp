@@ -1,12 +1,11 @@
 // The PM fit: recovery of synthetic models, documented properties, errors.
 #include "models/pm/search/fit_pm.h"
-#include "errors/measures.h"
 
 #include <map>
 
 #include "brdf/colour.h"
 #include "brdf/directions.h"
-#include "brdf/values.h"
+#include "brdf_functions.h"
 #include "errors/picture_errors.h"
 #include "measured_files.h"
 #include "models.h"
@@ -58,10 +57,8 @@ TEST(FitPm, RecoversASyntheticModel) {
             const PmModel model = model_of(lobes, variates, random);
             const auto fit =
                 checked(fit_pm(observed(evaluator(model)), short_search(PmForm::gaussian, lobes, variates)));
-            const Evaluate others[] = {evaluator(fit->unrounded)};
-            const auto error =
-                measure_heldout(rgb_channels(evaluator(model)), rgb_channels(others), {80 * k_degree, 0})[0];
-            EXPECT_LE(error.squared_error_ratio, 1e-8) << lobes << " lobes, " << variates << " variates";
+            const Measures errors = heldout_measures(evaluator(model), evaluator(fit->unrounded));
+            EXPECT_LE(errors.squared_error_ratio, 1e-8) << lobes << " lobes, " << variates << " variates";
         }
 }
 
@@ -91,11 +88,7 @@ TEST(FitPm, DoesNotDependOnTheUnitOfTheData) {
     const PmFitOptions options{.lobes = 2, .variates = 2, .starts = 4, .perturbations = 4};
     std::vector<double> losses;
     for (const float unit : {1e-20f, 1.f, 1e20f}) {
-        const auto scaled = [&](auto wl, auto wv, auto f) {
-            paper(wl, wv, f);
-            for (Rgb& x : f) x = {unit * x.r, unit * x.g, unit * x.b};
-        };
-        const auto fit = fit_pm(observed(scaled), options);
+        const auto fit = fit_pm(observed(with_values(paper, [=](const Rgb& f) { return scaled(unit, f); })), options);
         ASSERT_TRUE(fit) << unit;
         losses.push_back(fit->unrounded_loss);
     }
@@ -114,9 +107,9 @@ const Fitted& fitted(const char* name) {
     if (const auto entry = fits.find(name); entry != fits.end()) return entry->second;
     const Measured& measured = bundled(name);
     PmFit fit = *fit_pm(observed(signed_evaluator(measured)), PmFitOptions{.form = PmForm::gaussian});
-    const Evaluate others[] = {evaluator(fit.model), evaluator(fit.unrounded)};
-    const auto measures = measure_heldout(rgb_channels(evaluator(measured)), rgb_channels(others), {80 * k_degree, 0});
-    return fits.emplace(name, Fitted{measured, std::move(fit), measures[0], measures[1]}).first->second;
+    const Measures rounded = heldout_measures(evaluator(measured), evaluator(fit.model)),
+                   unrounded = heldout_measures(evaluator(measured), evaluator(fit.unrounded));
+    return fits.emplace(name, Fitted{measured, std::move(fit), rounded, unrounded}).first->second;
 }
 
 TEST(FitPm, ReciprocalFormIsReciprocal) {
@@ -131,18 +124,15 @@ TEST(FitPm, ReciprocalFormIsReciprocal) {
         };
         std::vector<Vec3f> a, b;
         for (int i = 0; i < 1000; ++i) {  // to the horizon
-            a.push_back(draw(i % 4 == 0 ? 1e-5 : 1)), b.push_back(draw(i % 3 == 0 ? 1e-4 : 1));
+            a.push_back(draw(i % 4 == 0 ? 1e-5 : 1));
+            b.push_back(draw(i % 3 == 0 ? 1e-4 : 1));
             EXPECT_EQ(value(fit->model, a.back(), b.back()), value(fit->model, b.back(), a.back()));
         }
         std::vector<Rgb> f(a.size()), exchanged(a.size());
         evaluate(fit->model, a, b, f);
         evaluate(fit->model, b, a, exchanged);
         EXPECT_EQ(f, exchanged);
-        const Evaluate others[] = {evaluator(fit->model)};
-        const double error =
-            measure_heldout(rgb_channels(evaluator(paper)), rgb_channels(others), {80 * k_degree, 0})[0]
-                .squared_error_ratio;
-        EXPECT_LE(error, 0.005) << axial;
+        EXPECT_LE(heldout_measures(evaluator(paper), evaluator(fit->model)).squared_error_ratio, 0.005) << axial;
     }
 }
 
@@ -159,14 +149,13 @@ TEST(FitPm, AlbedoIsWithinItsLimit) {
                                                   {PmForm::extended, 0.5, 1, 0.5},
                                                   {PmForm::reciprocal, {}, 1.33f, 1},
                                                   {PmForm::reciprocal, k_none, 1.33f, k_none}}) {
-        const Evaluate rising = [scale = scale](auto wl, auto wv, auto f) {
-            for (std::size_t i = 0; i < f.size(); ++i) {
-                const float sum = wl[i].z + wv[i].z, value = scale * (0.2f + 0.05f / (sum * sum + 1e-4f));
-                f[i] = {value, 0.8f * value, 0.5f * value};
-            }
-        };
+        const Evaluate rising = pairwise([scale = scale](Vec3f wl, Vec3f wv) {
+            const float sum = wl.z + wv.z, value = scale * (0.2f + 0.05f / (sum * sum + 1e-4f));
+            return Rgb{value, 0.8f * value, 0.5f * value};
+        });
         PmFitOptions options = short_search(form, 3, 2);
-        options.axial = form == PmForm::extended || scale > 1, options.albedo_limit = limit;
+        options.axial = form == PmForm::extended || scale > 1;
+        options.albedo_limit = limit;
         options.starts = options.perturbations = 2;
         const auto fit = checked(fit_pm(*observe(rising, {}), options));
         for (const PmModel& model : {fit->model, fit->unrounded}) {
@@ -183,10 +172,7 @@ TEST(FitPm, AlbedoIsWithinItsLimit) {
 /// Channels that are equal everywhere have equal coefficients, also where pixels are compared.
 TEST(FitPm, GreyStaysGrey) {
     const Evaluate film = reciprocal_mean(evaluator(bundled("cc_ibiza_sunset_rgb")));
-    const Evaluate grey = [&](auto wl, auto wv, auto f) {
-        film(wl, wv, f);
-        for (Rgb& value : f) value = {value.g, value.g, value.g};
-    };
+    const Evaluate grey = with_values(film, [](const Rgb& f) { return Rgb{f.g, f.g, f.g}; });
     const Observations observations = *observe(grey, {.count = 8192});
     const auto is_grey = [](const Rgb& colour) { return colour.r == colour.g && colour.g == colour.b; };
     const auto fit = fit_pm(observations, short_search(PmForm::reciprocal, 4, 2));
@@ -197,17 +183,14 @@ TEST(FitPm, GreyStaysGrey) {
 
 /// The mean is reciprocal, equal to a reciprocal function, and where one value is missing, equal to the other.
 TEST(FitPm, ReciprocalMeanIsWeightedByTheCosines) {
-    const Evaluate f = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) {
-        for (std::size_t i = 0; i < out.size(); ++i) {
-            const float missing = wl[i].x > 0.5f ? std::numeric_limits<float>::quiet_NaN() : 0;
-            out[i] = {1 / wv[i].z, wl[i].z * wv[i].z, 1 + missing};
-        }
-    };
+    const Evaluate f = pairwise([](Vec3f wl, Vec3f wv) {
+        return Rgb{1 / wv.z, wl.z * wv.z, wl.x > 0.5f ? std::numeric_limits<float>::quiet_NaN() : 1};
+    });
     const Vec3f a = to_float(spherical(0.3, 0.0)), b = to_float(spherical(1.4, 2.0)), c = to_float(spherical(1.2, 0.1));
     const std::vector<Vec3f> wl{a, b, c, a}, wv{b, a, a, c};
     std::vector<Rgb> mean(4);
     reciprocal_mean(f)(wl, wv, mean);
-    for (int k = 0; k < 3; ++k) EXPECT_WITHIN_RELATIVE(mean[0][k], mean[1][k], 1e-6);
+    EXPECT_RGB_WITHIN_RELATIVE(mean[0], mean[1], 1e-6, 0);
     EXPECT_WITHIN_RELATIVE(mean[0].r, 2 / (a.z + b.z), 1e-5);  // (1 + 1) / (cosθv + cosθl)
     EXPECT_WITHIN_RELATIVE(mean[0].g, a.z * b.z, 1e-5);
     EXPECT_EQ(mean[2].b, 1);
@@ -218,26 +201,19 @@ TEST(FitPm, ReciprocalMeanIsWeightedByTheCosines) {
 }
 
 TEST(FitPm, EachObjectiveIsBestInItsOwnMeasure) {
-    const std::pair<Objective, double Measures::*> objective_measures[] = {
-        {Objective::raw, &Measures::squared_error_ratio},
-        {Objective::cosine, &Measures::squared_error_ratio_cosine},
-        {Objective::log, &Measures::log_rms_cosine},
-        {Objective::cube_root, &Measures::cube_root_error_ratio},
-        {Objective::relative, &Measures::log10_rms}};
     const Measured& film = bundled("cc_ibiza_sunset_rgb");
     const double cap = 80 * k_degree;
     std::vector<Measures> measures;
-    for (const auto& [objective, measure] : objective_measures) {
+    for (const auto& [objective, measure] : k_objective_measures) {
         const auto fit =
             checked(fit_pm(*observe(signed_evaluator(film), {objective, cap}), short_search(PmForm::extended, 4, 3)));
-        const Evaluate others[] = {evaluator(fit->model)};
-        measures.push_back(measure_heldout(rgb_channels(evaluator(film)), rgb_channels(others), {cap, 0})[0]);
+        measures.push_back(heldout_measures(evaluator(film), evaluator(fit->model), cap));
     }
-    for (std::size_t i = 0; i < std::size(objective_measures); ++i)
-        for (std::size_t k = 0; k < std::size(objective_measures); ++k) {
-            const auto measure = objective_measures[i].second;
+    for (std::size_t i = 0; i < measures.size(); ++i)
+        for (std::size_t k = 0; k < measures.size(); ++k) {
+            const auto [objective, measure] = k_objective_measures[i];
             EXPECT_LE(measures[i].*measure, measures[k].*measure)
-                << name(objective_measures[i].first) << " by its measure against " << name(objective_measures[k].first);
+                << name(objective) << " by its measure against " << name(k_objective_measures[k].first);
         }
 }
 

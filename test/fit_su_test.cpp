@@ -3,8 +3,7 @@
 
 #include <limits>
 
-#include "brdf/values.h"
-#include "errors/measures.h"
+#include "brdf_functions.h"
 #include "errors/picture_errors.h"
 #include "measured_files.h"
 #include "models/su/fit_su.h"
@@ -31,8 +30,7 @@ double matrix_error(const Evaluate& reference, const SuModel& model,
     return measure_matrix(rgb_channels(reference), rgb_channels(others), {k_cap, 0}, model.direction)[0].*measure;
 }
 double heldout_error(const Evaluate& reference, const SuModel& model) {
-    const Evaluate others[] = {evaluator(model)};
-    return measure_heldout(rgb_channels(reference), rgb_channels(others), {k_cap, 0}, 50000)[0].squared_error_ratio;
+    return heldout_measures(reference, evaluator(model), k_cap, 50000).squared_error_ratio;
 }
 
 /// A model with J well separated lobes for each view in the upper hemisphere. If `isotropic`, the lobes are the same
@@ -46,7 +44,10 @@ SuModel separated_lobes(int lobes, bool isotropic, std::uint64_t seed) {
     std::vector<Rgb> colour;
     for (std::size_t i = 0; i < model.direction.size(); ++i) {
         if (i == 0 || !isotropic) {
-            azimuth_offset.clear(), theta.clear(), bandwidth.clear(), colour.clear();
+            azimuth_offset.clear();
+            theta.clear();
+            bandwidth.clear();
+            colour.clear();
             const double first = 2 * k_pi * uniform(random);
             for (int j = 0; j < lobes; ++j) {
                 azimuth_offset.push_back(first + 2 * k_pi * j / lobes);
@@ -138,14 +139,13 @@ TEST(FitSu, ScalesWithItsData) {
     SuFitOptions options = k_raw;
     options.lobes = 2;
     const auto fit = checked(fit_su(matrix, options));
-    for (Rgb& f : matrix.f) f = {4 * f.r, 4 * f.g, 4 * f.b};
-    for (auto& between : matrix.between) between.f = {4 * between.f.r, 4 * between.f.g, 4 * between.f.b};
-    const auto scaled = checked(fit_su(matrix, options));
+    for (Rgb& f : matrix.f) f = scaled(4, f);
+    for (auto& between : matrix.between) between.f = scaled(4, between.f);
+    const auto fourfold = checked(fit_su(matrix, options));
     std::mt19937_64 random(1);
     for (int i = 0; i < 500; ++i) {
         const Vec3f wl = to_float(random_direction(random, 0.2)), wv = to_float(random_direction(random, 0.2));
-        const double f = double(value(fit->unrounded, wl, wv).g), scaled_f = double(value(scaled->unrounded, wl, wv).g);
-        EXPECT_WITHIN_RELATIVE(scaled_f, 4 * f, 1e-3);
+        EXPECT_WITHIN_RELATIVE(value(fourfold->unrounded, wl, wv).g, 4 * value(fit->unrounded, wl, wv).g, 1e-3);
     }
 }
 
@@ -163,21 +163,15 @@ TEST(FitSu, DiscretisesEitherDirection) {
 }
 
 TEST(FitSu, EachObjectiveIsBestInItsOwnMeasure) {
-    const std::pair<Objective, double Measures::*> objectives[] = {
-        {Objective::raw, &Measures::squared_error_ratio},
-        {Objective::cosine, &Measures::squared_error_ratio_cosine},
-        {Objective::log, &Measures::log_rms_cosine},
-        {Objective::cube_root, &Measures::cube_root_error_ratio},
-        {Objective::relative, &Measures::log10_rms}};
-    const auto matrix =
-        checked(tabulate(signed_evaluator(bundled("cc_ibiza_sunset_rgb")), {.directions = 256, .between = 0}));
+    const Measured& film = bundled("cc_ibiza_sunset_rgb");
+    const auto matrix = checked(tabulate(signed_evaluator(film), {.directions = 256, .between = 0}));
     std::vector<SuModel> models;
-    for (const auto& [objective, measure] : objectives)
+    for (const auto& [objective, measure] : k_objective_measures)
         models.push_back(fit_su(*matrix, {.lobes = 2, .objective = objective, .max_theta = k_cap})->model);
-    for (std::size_t k = 0; k < std::size(objectives); ++k)
-        for (std::size_t other = 0; other < std::size(objectives); ++other) {
+    for (std::size_t k = 0; k < models.size(); ++k)
+        for (std::size_t other = 0; other < models.size(); ++other) {
             const auto error = [&](std::size_t i) {
-                return matrix_error(evaluator(bundled("cc_ibiza_sunset_rgb")), models[i], objectives[k].second);
+                return matrix_error(evaluator(film), models[i], k_objective_measures[k].second);
             };
             EXPECT_LE(error(k), 1.005 * error(other)) << k << other;
         }
@@ -274,10 +268,9 @@ TEST(FitSu, RefusesBadOptionsAndMatrices) {
 }
 
 TEST(Tabulate, SamplesTheFunctionAndCountsInvalidValues) {
-    const Evaluate f = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) {
-        for (std::size_t i = 0; i < out.size(); ++i)
-            out[i] = wl[i].x < -0.9f ? Rgb{1, k_nan, 1} : Rgb{wl[i].x, wv[i].z, wl[i].y + 2 * wv[i].y};
-    };
+    const Evaluate f = pairwise([](Vec3f wl, Vec3f wv) {
+        return wl.x < -0.9f ? Rgb{1, k_nan, 1} : Rgb{wl.x, wv.z, wl.y + 2 * wv.y};
+    });
     for (const auto discretise : {Discretise::view, Discretise::light}) {
         const auto matrix = checked(tabulate(f, {.directions = 50, .between = 40, .discretise = discretise}));
         std::uint64_t masked = 0, clamped = 0;

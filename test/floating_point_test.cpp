@@ -9,13 +9,13 @@
 #include <limits>
 
 #include "measured/tables.h"
+#include "measured_files.h"
 #include "models.h"
 #include "models/ggx/ggx_kind.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
 #include "models/su/view_lobes.h"
 #include "properties.h"
-#include "samples/fit_pm_to_samples.h"
 #include "samples/gap_filled_samples.h"
 #include "samples/observe_samples.h"
 #include "srbf/convert.h"
@@ -43,7 +43,8 @@ void count_numbers(const float* numbers, std::size_t count = k_block) {
         const auto bits = std::bit_cast<std::uint32_t>(numbers[i]);  // a comparison depends on the mode
         subnormals += (bits & 0x7f800000) == 0 && (bits & 0x007fffff) != 0;
     }
-    total += count, subnormal += subnormals;
+    total += count;
+    subnormal += subnormals;
 }
 void count_numbers(std::span<const float* const> columns, std::size_t count = k_block) {
     for (const float* column : columns) count_numbers(column, count);
@@ -67,14 +68,17 @@ SRBF_WRAPPED(float, exponent, "8exponentESt4spanIKfLm18446744073709551615EES1_IK
 }
 SRBF_WRAPPED(void, exponentiate, "12exponentiateEPKfS2_fPfm", const float* x, const float* root_weight, float offset,
              float* e, std::size_t count) {
-    count_numbers(x, count), count_numbers(root_weight, count);
+    count_numbers(x, count);
+    count_numbers(root_weight, count);
     real_exponentiate(x, root_weight, offset, e, count);
     count_numbers(e, count);
 }
 SRBF_WRAPPED(double, residual, "8residualEPKfSt4spanIS1_Lm18446744073709551615EES3_IKS2_Lm18446744073709551615EEPfm",
              const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r,
              std::size_t count) {
-    count_numbers(y, count), count_numbers(beta.data(), beta.size()), count_numbers(columns, count);
+    count_numbers(y, count);
+    count_numbers(beta.data(), beta.size());
+    count_numbers(columns, count);
     const double squares = real_residual(y, beta, columns, r, count);
     count_numbers(r, count);
     return squares;
@@ -86,18 +90,18 @@ SRBF_WRAPPED(void, add_gram, "8add_gramESt4spanIKPKfLm18446744073709551615EEPdm"
 }
 SRBF_WRAPPED(void, add_products, "12add_productsESt4spanIKPKfLm18446744073709551615EES5_Pdm",
              std::span<const float* const> rows, std::span<const float* const> columns, double* G, std::size_t count) {
-    count_numbers(rows, count), count_numbers(columns, count);
+    count_numbers(rows, count);
+    count_numbers(columns, count);
     real_add_products(rows, columns, G, count);
 }
 namespace {
-
-Measured film() { return *load_measured((bundled_data() / "cc_ibiza_sunset_rgb.bsdf").string()); }
 
 struct Counts {
     std::uint64_t total, subnormal;
 };
 template <typename Body> Counts counts_of(const Body& body) {
-    total = 0, subnormal = 0;
+    total = 0;
+    subnormal = 0;
     body();
     return {total, subnormal};
 }
@@ -112,19 +116,20 @@ template <typename Body> void expect_few(const Body& body, std::uint64_t many = 
 
 TEST(FloatingPoint, CountersFindSubnormalNumbers) {
     std::vector<float> numbers(k_block, 1.f);
-    numbers[3] = std::bit_cast<float>(std::uint32_t(7)), numbers[5] = 0;
+    numbers[3] = std::bit_cast<float>(std::uint32_t(7));
+    numbers[5] = 0;
     const Counts count = counts_of([&] { count_numbers(numbers.data()); });
     EXPECT_EQ(count.total, k_block);
     EXPECT_EQ(count.subnormal, 1u);
 }
 
 TEST(FloatingPoint, FewNumbersOfTheDefaultFitAreSubnormal) {
-    const Measured measured = film();
+    const Measured& measured = bundled("cc_ibiza_sunset_rgb");
     expect_few([&] { const auto fit = checked(fit_pm(*observe(signed_evaluator(measured), {}), {})); });
 }
 
 TEST(FloatingPoint, FewNumbersOfAViewByViewFitAreSubnormal) {
-    const Measured measured = film();
+    const Measured& measured = bundled("cc_ibiza_sunset_rgb");
     expect_few([&] {
         const auto matrix = tabulate(signed_evaluator(measured), {.directions = 192});
         const auto fit = checked(fit_su(*matrix, {.lobes = 5}));
@@ -205,7 +210,8 @@ std::vector<std::vector<std::byte>> results(const Measured& measured, int thread
     std::vector<std::vector<std::byte>> list;
     const Evaluate f = signed_evaluator(measured);
     const auto observations = observe(f, {.count = 4096, .threads = threads});
-    list.push_back(bytes_of(observations->f)), list.push_back(bytes_of(observations->weight));
+    list.push_back(bytes_of(observations->f));
+    list.push_back(bytes_of(observations->weight));
     const auto fit =
         fit_pm(*observations, {.lobes = 3, .variates = 3, .starts = 3, .perturbations = 4, .threads = threads});
     list.push_back(write_model({fit->model, {}}));
@@ -232,7 +238,7 @@ std::vector<std::vector<std::byte>> results(const Measured& measured, int thread
 }
 
 TEST(CallersMode, HasNoEffectAndIsKept) {
-    const Measured measured = film();
+    const Measured& measured = bundled("cc_ibiza_sunset_rgb");
     const auto initial = mode_now();
     const auto expected = results(measured, 1);
     for (const int threads : {1, 2})
@@ -270,7 +276,10 @@ std::string contents_read(const std::filesystem::path& path) {
     const auto bytes = *read_file(path.string());
 #ifdef SRBF_RENDER
     if (const auto environment = read_environment(bytes, "f")) add(environment->texels().pixels);
-    if (const auto mesh = read_mesh(bytes, "f")) add(mesh->positions), add(mesh->normals);
+    if (const auto mesh = read_mesh(bytes, "f")) {
+        add(mesh->positions);
+        add(mesh->normals);
+    }
 #endif
     if (const auto map = read_map(bytes, "f"))
         for (std::size_t t = 0; t < map->count(); ++t) add(write_model(texel(*map, t)));

@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include "app/map_layers.h"
+#include "brdf_functions.h"
 #include "measured_files.h"
 #include "models.h"
 #include "models/bsdf/bsdf_functions.h"
@@ -31,18 +32,14 @@ void expect_frugal(const std::string& name, std::span<const std::byte> bytes, in
 
 /// The files are read from the smallest to the largest, since only the overall peak is known.
 TEST(Formats, ReadingTakesFourTimesTheFile) {
-    const auto grey = [](std::span<const Vec3f>, std::span<const Vec3f>, std::span<Rgb> f) {
-        std::ranges::fill(f, Rgb{0.1f, 0.2f, 0.3f});
-    };
+    const Evaluate coloured = constant_brdf({0.1f, 0.2f, 0.3f});
     expect_frugal("small.csv", as_bytes(k_small_csv));
     expect_frugal("t.bin", utia_file([](int, int, int, int, int) { return 0.1; }));
-    expect_frugal("t.bsdf", write_rgl(to_rgl(grey, {8, 64, "grey", {}, 1})));
-    expect_frugal("t.csv", as_bytes(write_csv(to_samples(grey, true, 400, 80 * k_degree))));
+    expect_frugal("t.bsdf", write_rgl(to_rgl(coloured, {8, 64, "coloured", {}, 1})));
+    expect_frugal("t.csv", as_bytes(write_csv(to_samples(coloured, true, 400, 80 * k_degree))));
     // One number a sample in the file, three in memory.
-    const auto white = [](std::span<const Vec3f>, std::span<const Vec3f>, std::span<Rgb> f) {
-        std::ranges::fill(f, Rgb{0.1f, 0.1f, 0.1f});
-    };
-    const MbsdfTable table = to_mbsdf(white, {.polar = 150, .azimuths = 180, .metadata = {}, .threads = 1});
+    const MbsdfTable table =
+        to_mbsdf(constant_brdf({0.1f, 0.1f, 0.1f}), {.polar = 150, .azimuths = 180, .metadata = {}, .threads = 1});
     ASSERT_TRUE(table.grey);
     expect_frugal("t.mbsdf", write_mbsdf(table));
     // Rows too short for real measurements: more samples than the limit are an error.
@@ -72,10 +69,10 @@ TEST(Formats, NumpyReadsModels) {
     std::vector<Vec3f> wl, wv;
     std::string pairs = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n";
     for (int i = 0; i < 200; ++i) {
-        wl.push_back(to_float(random_direction(random, 0.05)));
-        wv.push_back(to_float(random_direction(random, 0.05)));
-        pairs += fmt::format("{},{},{},{},{},{}\n", wl[wl.size() - 1].x, wl.back().y, wl.back().z, wv.back().x,
-                             wv.back().y, wv.back().z);
+        const Vec3f l = to_float(random_direction(random, 0.05)), v = to_float(random_direction(random, 0.05));
+        wl.push_back(l);
+        wv.push_back(v);
+        pairs += fmt::format("{},{},{},{},{},{}\n", l.x, l.y, l.z, v.x, v.y, v.z);
     }
     write_text(folder / "pairs.csv", pairs);
     // Axial models of each form, of colours and of spectra.
@@ -98,8 +95,8 @@ TEST(Formats, NumpyReadsModels) {
                 std::getline(out, number, (i + 1) % expected.count() > 0 ? ',' : '\n');
                 EXPECT_WITHIN(std::atof(number.c_str()), f[i], 1e-3 * double(f[i]) + 1e-9);
             }
-            std::string rest;
-            EXPECT_FALSE(std::getline(out, rest));
+            std::string remainder;
+            EXPECT_FALSE(std::getline(out, remainder));
         }
 }
 
@@ -131,11 +128,10 @@ TEST(Formats, LargeValuesAreKeptOrRefused) {
     ASSERT_TRUE(save_model({pm, {}}, folder / "m.srbf").ok());
     write_text(folder / "pairs.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0.6,0.8,0.6,0,0.8\n");
     const auto red = [&](const std::string& file) {
-        const std::string row = run_srbf(folder, {"eval", file, "--pairs", "pairs.csv"}).out;
-        const auto line = row.substr(row.find('\n') + 1);
-        std::size_t at = 0;
-        for (int comma = 0; comma < 6; ++comma) at = line.find(',', at) + 1;
-        return std::atof(line.c_str() + at);
+        const std::string rows = run_srbf(folder, {"eval", file, "--pairs", "pairs.csv"}).out;
+        std::size_t column = rows.find('\n') + 1;
+        for (int comma = 0; comma < 6; ++comma) column = rows.find(',', column) + 1;
+        return std::atof(rows.c_str() + column);
     };
     const double expected = red("m.srbf");
     EXPECT_GT(expected, 1e5);

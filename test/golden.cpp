@@ -17,6 +17,7 @@
 #include "srbf/fit.h"
 #include "srbf/kernel.h"
 #include "srbf/model.h"
+#include "support/brdf_functions.h"
 #include "support/one_target.h"
 
 namespace srbf {
@@ -31,13 +32,17 @@ class Hash {
     void add(double x) { add(std::as_bytes(std::span(&x, 1))); }
     void add(const Measures& measures) {
         for (const MeasureName& measure : k_measures) add(measures.*measure.member);
-        add(double(measures.pairs)), add(double(measures.masked));
+        add(double(measures.pairs));
+        add(double(measures.masked));
     }
     void add(const PictureErrors& errors) {
         for (const PictureErrorName& error : k_picture_errors) add(errors.*error.member);
     }
     void add(const Comparison& comparison) {
-        add(comparison.matrix), add(comparison.heldout), add(comparison.albedo_error), add(comparison.appearance.mean);
+        add(comparison.matrix);
+        add(comparison.heldout);
+        add(comparison.albedo_error);
+        add(comparison.appearance.mean);
         for (const PictureErrors& lighting : comparison.appearance.lighting) add(lighting);
     }
     std::string text() const {
@@ -58,7 +63,7 @@ std::string hash_of(Model model) {
 }
 
 /// A row of the table.
-struct Line {
+struct TableRow {
     std::string model, figures;  ///< hashes
     std::string delta_e, error;  ///< to read: mean ΔE_ITP and the held-out error of f cosθl, if available
 };
@@ -78,10 +83,11 @@ std::string digits(double x) {
     return text;
 }
 
-Line line_of(const FitOutcome& outcome) {
+TableRow row_of(const FitOutcome& outcome) {
     Hash figures;
     figures.add(*outcome.errors);
-    figures.add(double(outcome.masked)), figures.add(double(outcome.clamped));
+    figures.add(double(outcome.masked));
+    figures.add(double(outcome.clamped));
     for (const Trial& step : outcome.path) figures.add(step.error);
     // For a view-by-view model with many views, errors are measured at a subset of the pairs.
     return {hash_of(outcome.model), figures.text(), digits(outcome.errors->appearance.mean.delta_e),
@@ -90,14 +96,12 @@ Line line_of(const FitOutcome& outcome) {
 
 /// A diffuse base below a GGX varnish, which has a closed form.
 Evaluate varnished(float roughness, Rgb body) {
-    return [=](auto wl, auto wv, auto f) {
+    return pairwise([=](Vec3f wl, Vec3f wv) {
         using K = Kernel<float>;
         const K::GgxLobe varnish{roughness, {0.04f, 0.04f, 0.04f}, 1};
-        for (std::size_t i = 0; i < f.size(); ++i) {
-            const Vec3f value = K::ggx_value({body.r, body.g, body.b}, varnish, {1, {0, 0, 0}, 0}, wl[i], wv[i]);
-            f[i] = wl[i].z > 0 && wv[i].z > 0 ? Rgb{value.x, value.y, value.z} : Rgb{};
-        }
-    };
+        const Vec3f f = K::ggx_value({body.r, body.g, body.b}, varnish, {1, {0, 0, 0}, 0}, wl, wv);
+        return wl.z > 0 && wv.z > 0 ? Rgb{f.x, f.y, f.z} : Rgb{};
+    });
 }
 
 /// Pairs of directions up to 80° from the normal, many of them close to the mirror direction.
@@ -113,7 +117,8 @@ Pairs some_pairs(std::size_t count) {
                      u5 = uniform(random);
         const Vec3d v = mixture.sample_cap(u1, u2), l = mixture.sample(v, u3, u4, u5);
         if (!mixture.contains(l)) continue;
-        pairs.wl.push_back(to_float(l)), pairs.wv.push_back(to_float(v));
+        pairs.wl.push_back(to_float(l));
+        pairs.wv.push_back(to_float(v));
     }
     return pairs;
 }
@@ -151,18 +156,18 @@ struct Golden {
     FitRequest request(PmRequest pm, Objective objective = k_default_objective) const {
         return {.model = pm, .objective = objective, .threads = threads};
     }
-    Line fitted(const Measured& measured, const FitRequest& fit_request) const {
-        return line_of(value_or_fail(fit(measured, fit_request)));
+    TableRow fitted(const Measured& measured, const FitRequest& fit_request) const {
+        return row_of(value_or_fail(fit(measured, fit_request)));
     }
-    Line pm_line(const Measured& measured, int lobes, Objective objective = k_default_objective,
-                 PmRequest pm = {.form = PmForm::extended}) const {
+    TableRow pm_row(const Measured& measured, int lobes, Objective objective = k_default_objective,
+                    PmRequest pm = {.form = PmForm::extended}) const {
         pm.size = LobeCount{lobes};
         return fitted(measured, request(pm, objective));
     }
-    Line su_line(const Measured& measured, SuRequest su, Objective objective) const {
+    TableRow su_row(const Measured& measured, SuRequest su, Objective objective) const {
         return fitted(measured, {.model = su, .objective = objective, .threads = threads});
     }
-    Line bsdf_line() const {
+    TableRow bsdf_row() const {
         const Evaluate front = varnished(0.3f, {0.4f, 0.3f, 0.2f}), back = varnished(0.5f, {0.2f, 0.3f, 0.4f}),
                        through = varnished(0.7f, {0.1f, 0.2f, 0.1f});
         const BsdfOutcome outcome =
@@ -175,43 +180,41 @@ struct Golden {
     }
 };
 
-struct Row {
+struct NamedFit {
     const char* name;
-    std::function<Line(const Golden&)> fit;
+    std::function<TableRow(const Golden&)> fit;
 };
-const std::vector<Row>& rows() {
+const std::vector<NamedFit>& fits() {
     using G = Golden;
-    static const std::vector<Row> list{
-        {"paper", [](const G& g) { return g.pm_line(g.paper, 8); }},
-        {"film", [](const G& g) { return g.pm_line(g.film, 8); }},
+    static const std::vector<NamedFit> list{
+        {"paper", [](const G& g) { return g.pm_row(g.paper, 8); }},
+        {"film", [](const G& g) { return g.pm_row(g.film, 8); }},
         {"film-3-general",
          [](const G& g) {
-             return g.pm_line(g.film, 3, k_default_objective,
-                              {.form = PmForm::extended, .axial = false, .effort = 0.3});
+             return g.pm_row(g.film, 3, k_default_objective, {.form = PmForm::extended, .axial = false, .effort = 0.3});
          }},
-        {"film-3-source", [](const G& g) { return g.pm_line(g.film, 3, Objective::raw, {.form = PmForm::gaussian}); }},
+        {"film-3-source", [](const G& g) { return g.pm_row(g.film, 3, Objective::raw, {.form = PmForm::gaussian}); }},
         {"paper-reciprocal", [](const G& g) { return g.fitted(g.paper, g.request({})); }},
         {"film-reciprocal", [](const G& g) { return g.fitted(g.film, g.request({})); }},
         {"film-3-reciprocal-general",
          [](const G& g) {
-             return g.pm_line(g.film, 3, Objective::cosine,
-                              {.form = PmForm::reciprocal, .axial = false, .effort = 0.3});
+             return g.pm_row(g.film, 3, Objective::cosine, {.form = PmForm::reciprocal, .axial = false, .effort = 0.3});
          }},
-        {"paper-3-log", [](const G& g) { return g.pm_line(g.paper, 3, Objective::log, {.form = PmForm::extended}); }},
-        {"film-3-cube-root", [](const G& g) { return g.pm_line(g.film, 3, Objective::cube_root); }},
+        {"paper-3-log", [](const G& g) { return g.pm_row(g.paper, 3, Objective::log, {.form = PmForm::extended}); }},
+        {"film-3-cube-root", [](const G& g) { return g.pm_row(g.film, 3, Objective::cube_root); }},
         {"film-views",
-         [](const G& g) { return g.su_line(g.film, {.lobes = 3, .directions = 96}, k_default_objective); }},
+         [](const G& g) { return g.su_row(g.film, {.lobes = 3, .directions = 96}, k_default_objective); }},
         {"film-lights",
          [](const G& g) {
-             return g.su_line(g.film, {.lobes = 2, .discretise = Discretise::light, .directions = 64}, Objective::raw);
+             return g.su_row(g.film, {.lobes = 2, .discretise = Discretise::light, .directions = 64}, Objective::raw);
          }},
         {"film-ggx", [](const G& g) { return g.fitted(g.film, {.model = GgxRequest{2}, .threads = g.threads}); }},
         {"film-openpbr",
          [](const G& g) { return g.fitted(g.film, {.model = OpenPbrRequest{}, .threads = g.threads}); }},
         {"film-samples",
          [](const G& g) {
-             return g.pm_line(samples_of(g.film, 300, false), 3, k_default_objective,
-                              {.form = PmForm::extended, .effort = 0.3});
+             return g.pm_row(samples_of(g.film, 300, false), 3, k_default_objective,
+                             {.form = PmForm::extended, .effort = 0.3});
          }},
         {"film-spectra",
          [](const G& g) {
@@ -219,14 +222,14 @@ const std::vector<Row>& rows() {
              request.spectral = true;
              return g.fitted(samples_of(g.film, 160, true), request);
          }},
-        {"both-sides", [](const G& g) { return g.bsdf_line(); }},
+        {"both-sides", [](const G& g) { return g.bsdf_row(); }},
     };
     return list;
 }
 
 /// The rows of the table by name. Empty if the file does not exist.
-std::map<std::string, Line> read_table(const std::string& path) {
-    std::map<std::string, Line> table;
+std::map<std::string, TableRow> read_table(const std::string& path) {
+    std::map<std::string, TableRow> table;
     const auto bytes = read_file(path);
     if (!bytes) return table;
     std::istringstream file(std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()));
@@ -234,11 +237,11 @@ std::map<std::string, Line> read_table(const std::string& path) {
     std::getline(file, text);  // the names of the columns
     while (std::getline(file, text)) {
         std::istringstream columns(text);
-        Line line;
+        TableRow row;
         std::getline(columns, name, ',');
-        for (std::string* column : {&line.model, &line.figures, &line.delta_e, &line.error})
+        for (std::string* column : {&row.model, &row.figures, &row.delta_e, &row.error})
             std::getline(columns, *column, ',');
-        table[name] = line;
+        table[name] = row;
     }
     return table;
 }
@@ -260,24 +263,24 @@ void limit_to(const std::string& name) {
 
 /// Fits the wanted rows and returns how many differ from the table. Appends their lines to `text`, and the table's
 /// lines for the other rows.
-int compare_rows(const Golden& golden, const std::map<std::string, Line>& table,
-                 const std::function<bool(const Row&)>& is_wanted, std::string& text) {
+int compare_rows(const Golden& golden, const std::map<std::string, TableRow>& table,
+                 const std::function<bool(const NamedFit&)>& is_wanted, std::string& text) {
     int differing = 0;
-    for (const Row& row : rows()) {
-        const auto entry = table.find(row.name);
-        const Line expected = entry == table.end() ? Line{} : entry->second;
-        const bool is_fitted = is_wanted(row);
-        const Line line = is_fitted ? row.fit(golden) : expected;
-        text += std::string(row.name) + ',' + line.model + ',' + line.figures + ',' + line.delta_e + ',' + line.error +
-                '\n';
+    for (const NamedFit& named_fit : fits()) {
+        const auto entry = table.find(named_fit.name);
+        const TableRow expected = entry == table.end() ? TableRow{} : entry->second;
+        const bool is_fitted = is_wanted(named_fit);
+        const TableRow row = is_fitted ? named_fit.fit(golden) : expected;
+        text += std::string(named_fit.name) + ',' + row.model + ',' + row.figures + ',' + row.delta_e + ',' +
+                row.error + '\n';
         if (!is_fitted) continue;
-        const auto print = [](const char* label, const Line& printed) {
+        const auto print = [](const char* label, const TableRow& printed) {
             std::printf("%s: model %s, figures %s, delta E %s, error %s\n", label, printed.model.c_str(),
                         printed.figures.c_str(), printed.delta_e.c_str(), printed.error.c_str());
         };
-        const bool same = line.model == expected.model && line.figures == expected.figures;
+        const bool same = row.model == expected.model && row.figures == expected.figures;
         differing += !same;
-        print(row.name, line);
+        print(named_fit.name, row);
         if (!same) print("  DIFFERS, expected", expected);
         std::fflush(stdout);
     }
@@ -289,7 +292,7 @@ int run(const std::vector<std::string>& arguments) {
     const std::string &data = arguments[0], &path = arguments[1];
     Golden golden{value_or_fail(load_measured(data + "/paper_white_rgb.bsdf")),
                   value_or_fail(load_measured(data + "/cc_ibiza_sunset_rgb.bsdf")), 0};
-    const std::map<std::string, Line> table = read_table(path);
+    const std::map<std::string, TableRow> table = read_table(path);
     std::string only;
     bool is_writing = false, is_older = false, every = false;
     for (std::size_t i = 2; i < arguments.size(); ++i) {
@@ -321,15 +324,15 @@ int run(const std::vector<std::string>& arguments) {
             // has loops of its own for each set, the next one fewer, the rest one.
             const std::vector<std::string> selected{"film-lights", "film-3-general", "paper-reciprocal", "film-views",
                                                     "film-openpbr"};
-            const std::ptrdiff_t count = every ? std::ssize(rows()) : i == 1 ? std::ssize(selected) : i == 2 ? 3 : 1;
-            const auto is_wanted = [&](const Row& row) {
-                return every || std::find(selected.begin(), selected.end(), row.name) - selected.begin() < count;
+            const std::ptrdiff_t count = every ? std::ssize(fits()) : i == 1 ? std::ssize(selected) : i == 2 ? 3 : 1;
+            const auto is_wanted = [&](const NamedFit& named_fit) {
+                return every || std::find(selected.begin(), selected.end(), named_fit.name) - selected.begin() < count;
             };
             failed += compare_rows(golden, table, is_wanted, text);
         }
     } else {
         failed = compare_rows(
-            golden, table, [&](const Row& row) { return only.empty() || only == row.name; }, text);
+            golden, table, [&](const NamedFit& named_fit) { return only.empty() || only == named_fit.name; }, text);
     }
     if (is_writing) {
         std::FILE* const file = std::fopen(path.c_str(), "w");

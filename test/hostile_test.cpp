@@ -2,10 +2,10 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 
-#include "app/surface_files.h"
 #include "base/printable.h"
 #include "base/text.h"
 #include "command.h"
+#include "exports.h"
 #include "models.h"
 #include "srbf/shading_code.h"
 
@@ -48,7 +48,17 @@ std::int64_t peak_memory(const TemporaryFolder& folder, const Arguments& argumen
     return std::int64_t(usage.ru_maxrss) * 1024;
 }
 
-using Hostile = ProgramTest;
+class Hostile : public ProgramTest {
+  protected:
+    void save(const Model& model, const std::string& name) {
+        ASSERT_TRUE(save_model(model, folder / (name + ".srbf")).ok());
+    }
+};
+
+Model small_model() {
+    std::mt19937_64 random(1);
+    return {random_model(random, {.lobes = 1, .variates = 1}), {}};
+}
 
 /// Many parts of a few bytes, each of which a library or a reader might store as an object.
 TEST_F(Hostile, SmallPartsStayWithinTheMemoryLimit) {
@@ -207,8 +217,7 @@ TEST_F(Hostile, UnknownInputIsRejectedAfterItsBeginning) {
 /// With any memory limit, each command succeeds or reports that memory is exhausted.
 TEST_F(Hostile, MemoryStaysWithinTheLimit) {
     SKIP_UNDER_SANITIZERS("the sanitizer takes terabytes of addresses");
-    std::mt19937_64 random(1);
-    ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "m.srbf").ok());
+    save(small_model(), "m");
     write_text(folder / "a.binary", small_merl());
     int succeeded = 0, failed = 0;
     for (const char* megabytes : {"64", "100"})
@@ -258,8 +267,7 @@ TEST_F(Hostile, ErrorsNameTheFailingPath) {
     fs::create_symlink("loop", loop);
     write_text(folder / "file", "");
     write_text(folder / "pairs.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n");
-    std::mt19937_64 random(1);
-    ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "m.srbf").ok());
+    save(small_model(), "m");
     for (const std::string& path : {loop, loop + "/x", std::string("file/x"), std::string(300, 'x')}) {
         for (const Arguments& arguments : {Arguments{"info", path},
                                            {"fit", path},
@@ -285,14 +293,10 @@ TEST_F(Hostile, ErrorsNameTheFailingPath) {
 }
 
 TEST_F(Hostile, CompareNamesBothFilesWithoutCommonParts) {
-    const auto one_sided = [](Part part) {
-        BsdfModel bsdf;
-        bsdf.part[std::size_t(part)] = random_part(1, {.lobes = 1});
-        return Model{bsdf, {}};
-    };
-    ASSERT_TRUE(save_model(one_sided(Part::transmission_front), folder / "a.srbf").ok());
-    std::mt19937_64 random(1);
-    ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "b.srbf").ok());
+    BsdfModel bsdf;
+    bsdf.part[std::size_t(Part::transmission_front)] = random_part(1, {.lobes = 1});
+    save({bsdf, {}}, "a");
+    save(small_model(), "b");
     expect_failure(1, {"compare", "a.srbf", "b.srbf"}, "a.srbf and b.srbf: parts: expected one that both have");
     expect_failure(1, {"compare", "b.srbf", "a.srbf", "--json", "-"}, "b.srbf and a.srbf: parts");
 }
@@ -302,8 +306,9 @@ TEST_F(Hostile, NoControlCharactersReachTheTerminal) {
     const std::string escapes =
         "a\x1b]0;title\x07\x1b[2J\r\n\t\x7f\xc2\x9b"
         "31mb";
-    std::mt19937_64 random(1);
-    ASSERT_TRUE(save_model({random_model(random, {}), {{"source", escapes}, {escapes, "x"}}}, folder / "m.srbf").ok());
+    Model model = small_model();
+    model.provenance = {{"source", escapes}, {escapes, "x"}};
+    save(model, "m");
     write_text(folder / "s.brdf", "# " +
                                       std::string("a\x1b[2J\x07"
                                                   "b\n") +
@@ -348,37 +353,25 @@ std::map<std::string, std::string> metadata(std::size_t first, bool harmless) {
     std::map<std::string, std::string> entries;
     for (std::size_t i = 0; i < k_fields; ++i) {
         const std::string text = harmless ? "b" : k_texts[(first + i) % k_fields];
-        entries[fields[i]] = text, entries[harmless ? fmt::format("x{}", i) : text] = text;
+        entries[fields[i]] = text;
+        entries[harmless ? fmt::format("x{}", i) : text] = text;
     }
     return entries;
 }
 
-/// The export destinations that the program's error message lists.
-Arguments destinations(const TemporaryFolder& folder) {
-    const std::string message_text = run_srbf(folder, {"export", "x", "--to", "nothing", "-o", "x"}).err;
-    const auto begin = message_text.find("expected ") + 9;
-    std::string list = message_text.substr(begin, message_text.find(", found") - begin);
-    Arguments names;
-    for (std::size_t position; (position = list.find(" or ")) != list.npos; list.erase(0, position + 4))
-        names.push_back(list.substr(0, position));
-    names.push_back(list);
-    return names;
-}
-
-/// Exported text without comments, documentation and notes.
-std::string code_without_comments(std::string text, const std::string& to) {
+/// Exported text without comments, documentation and notes, as XML, USD, Python and languages like C write them.
+std::string code_without_comments(std::string text) {
     const auto remove = [&](std::string_view first, std::string_view last) {
         for (std::size_t position; (position = text.find(first)) != text.npos;)
             text.erase(position, text.find(last, position + first.size()) + last.size() - position);
     };
-    if (to == "mtlx" || to == "standard-surface") remove("<!--", "-->");
-    if (to == "usd") remove("doc = \"\"\"", "\"\"\"");
+    remove("<!--", "-->");
+    remove("doc = \"\"\"", "\"\"\"");
     std::istringstream lines(text);
     std::string code;
     for (std::string line; std::getline(lines, line);) {
         const std::string_view begin = trimmed(line);
-        if (!begin.starts_with("//") && !((to == "principled" || to == "blender") && begin.starts_with("#")))
-            code += line + "\n";
+        if (!begin.starts_with("//") && !begin.starts_with("# ") && begin != "#") code += line + "\n";
     }
     return code;
 }
@@ -388,35 +381,30 @@ TEST_F(Hostile, NamesAndMetadataAreNotCode) {
     std::mt19937_64 random(1);
     const PmModel pm = random_model(random, {.lobes = 1, .variates = 1});
     const TexelMap map = random_map(random, {.lobes = 2}, 3, 2);
-    Arguments kinds = destinations(folder);
-    std::erase(kinds, "dds");  // which is made of an environment
+    Arguments kinds = export_kinds();
+    std::erase_if(kinds, is_of_environments);
     ASSERT_GE(kinds.size(), 12u);
     fs::create_directory(folder / "clean");
     std::set<std::string> tried;
     for (std::size_t i = 0; i < k_fields; i += 2) {
         const std::string& name = k_names[i / 2 % std::size(k_names)];
         for (const std::string& to : kinds) {
-            const bool is_map = to == "ktx2" || to == "exr",
-                       is_surface = std::ranges::count(surface_files(), to, &SurfaceFile::name) > 0,
-                       is_slow = to == "html" || to.starts_with("three") || to.starts_with("unity") ||
-                                 to == "blender" || to == "osl";
-            if (is_slow && i > 0) continue;
+            if (is_slow_export(to) && i > 0) continue;
             SCOPED_TRACE(fmt::format("{} {}: {}", to, i, printable(name)));
             const auto exported = [&](const std::string& file, bool harmless) {
                 TexelMap named_map = map;
                 named_map.provenance = metadata(i, harmless);
                 const Model model =
-                    is_surface ? Model{OpenPbrModel{}, named_map.provenance} : Model{pm, named_map.provenance};
-                write_text(folder / file, as_text(is_map ? write_map(named_map) : write_model(model)));
-                const bool is_fitted = to == "blender" || to == "osl";
-                const ProgramRun result = run_ok(folder, Arguments{"export", file, "--to", to, "-o", "x"} +
-                                                             (is_fitted ? Arguments{"--terms", "1"} : Arguments{}));
+                    is_of_surfaces(to) ? Model{OpenPbrModel{}, named_map.provenance} : Model{pm, named_map.provenance};
+                write_text(folder / file, as_text(is_of_maps(to) ? write_map(named_map) : write_model(model)));
+                const ProgramRun result =
+                    run_ok(folder, Arguments{"export", file, "--to", to, "-o", "x"} + quick_options(to));
                 EXPECT_EQ(printable_lines(result.out + result.err), result.out + result.err);
                 return read_text(folder / "x");
             };
             std::string x = exported(name + ".srbf", false), y = exported("clean/" + identifier(name) + ".srbf", true);
             tried.insert(to);
-            if (is_map || to == "glb") continue;
+            if (is_of_maps(to) || to == "glb") continue;  // not texts
             EXPECT_EQ(printable_lines(x), x);
             if (to == "c") {
                 EXPECT_LACKS(x, "?\?/");
@@ -432,7 +420,7 @@ TEST_F(Hostile, NamesAndMetadataAreNotCode) {
                 for (const char c : {'<', '>', '"', '\''})
                     EXPECT_EQ(std::ranges::count(x, c), std::ranges::count(y, c)) << c;
             else
-                EXPECT_EQ(code_without_comments(x, to), code_without_comments(y, to));
+                EXPECT_EQ(code_without_comments(x), code_without_comments(y));
         }
     }
     EXPECT_EQ(tried.size(), kinds.size());
@@ -456,8 +444,7 @@ std::vector<std::string> defined_names(const std::string& text) {
 
 /// Two files whose names could collide in code: the code distinguishes them, or an error names both.
 TEST_F(Hostile, NamesInCodeAreDistinct) {
-    std::mt19937_64 random(1);
-    const Model model{random_model(random, {.lobes = 1, .variates = 1}), {}}, bsdf{lobe_bsdf_with_beams(), {}};
+    const Model model = small_model(), bsdf{lobe_bsdf_with_beams(), {}};
     using Named = std::pair<std::string, const Model*>;
     const std::pair<Named, Named> pairs[] = {{{"a_b", &model}, {"aB", &model}},
                                              {{"x", &model}, {"x_r", &model}},
@@ -466,14 +453,13 @@ TEST_F(Hostile, NamesInCodeAreDistinct) {
                                              {{"y", &bsdf}, {"y_reflection_back", &model}},
                                              {{"y_reflection_back", &model}, {"y", &bsdf}}};
     std::map<std::string, int> succeeded;
-    for (const std::string& to : destinations(folder)) {
-        if (to == "html" || to == "dds" || to == "blender" || to == "osl" || to.starts_with("unity"))
-            continue;  // one model, or names in strings
+    for (const std::string& to : export_kinds()) {
+        const bool is_module = to.starts_with("three");
+        if (is_of_environments(to) || (is_slow_export(to) && !is_module)) continue;  // one model, or names in strings
         for (const auto& [a, b] : pairs) {
-            if (to.starts_with("three") && &a != &pairs[0].first) continue;
+            if (is_module && &a != &pairs[0].first) continue;
             SCOPED_TRACE(fmt::format("{}: {} and {}", to, a.first, b.first));
-            for (const auto& [name, named_model] : {a, b})
-                ASSERT_TRUE(save_model(*named_model, folder / (name + ".srbf")).ok());
+            for (const auto& [name, named_model] : {a, b}) save(*named_model, name);
             const ProgramRun result =
                 run_srbf(folder, {"export", a.first + ".srbf", b.first + ".srbf", "--to", to, "-o", "o"});
             if (result.status == 0) {
@@ -481,8 +467,7 @@ TEST_F(Hostile, NamesInCodeAreDistinct) {
                 std::vector<std::string> names = defined_names(read_text(folder / "o"));
                 EXPECT_GE(names.size(), 2u);
                 // A module contains names of JavaScript and, within a string, of GLSL.
-                if (to.starts_with("three"))
-                    std::erase_if(names, [](const auto& name) { return !name.ends_with("Material"); });
+                if (is_module) std::erase_if(names, [](const auto& name) { return !name.ends_with("Material"); });
                 if (to == "c")  // variants of what all files share, for different processors
                     std::erase_if(
                         names, [](const auto& name) { return name.starts_with("srbf_") || name == "__attribute__"; });
@@ -500,7 +485,7 @@ TEST_F(Hostile, NamesInCodeAreDistinct) {
     }
     EXPECT_GE(succeeded.size(), 5u);  // with all extras 7
     for (const auto& [to, count] : succeeded) EXPECT_GE(count, to.starts_with("three") ? 1 : 4) << to;
-    ASSERT_TRUE(save_model(model, folder / "srbf_view.srbf").ok());
+    save(model, "srbf_view");
     const ProgramRun shared =
         run_srbf(folder, {"export", "srbf_view.srbf", "--to", "c", "--with", "sampling", "-o", "o"});
     EXPECT_EQ(shared.status, 1);
@@ -509,11 +494,9 @@ TEST_F(Hostile, NamesInCodeAreDistinct) {
 
 /// File names are printed in a single line, also in JSON on the terminal.
 TEST_F(Hostile, NamesOfFilesAreOneLine) {
-    std::mt19937_64 random(1);
-    const Model model{random_model(random, {.lobes = 1, .variates = 1}), {}};
     fs::create_directory(folder / "b");
     const auto runs = [&](const std::string& name) {
-        EXPECT_TRUE(save_model(model, folder / (name + ".srbf")).ok());
+        save(small_model(), name);
         write_text(folder / (name + ".binary"), small_merl());
         std::vector<ProgramRun> results;
         for (const Arguments& arguments :

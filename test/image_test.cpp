@@ -53,11 +53,11 @@ TEST(DrawText, InksEveryPrintableCharacterWithinItsBox) {
 
 TEST(DrawText, LeavesOutWhatLiesOutside) {
     const std::string_view text = "10 x difference, Qgjpqy";
-    const Image8 whole = drawn_text(600, 300, 200, 100, text, 2);
+    const Image8 complete = drawn_text(600, 300, 200, 100, text, 2);
     for (const auto& [x0, y0] : {std::pair(190, 90), {230, 104}, {205, 60}, {380, 95}, {100, 0}, {0, 200}}) {
-        const Image8 part = drawn_text(60, 50, 200 - x0, 100 - y0, text, 2);
-        for (int y = 0; y < part.height; ++y)
-            for (int x = 0; x < part.width; ++x) EXPECT_EQ(part.at(x, y), whole.at(x0 + x, y0 + y));
+        const Image8 cropped = drawn_text(60, 50, 200 - x0, 100 - y0, text, 2);
+        for (int y = 0; y < cropped.height; ++y)
+            for (int x = 0; x < cropped.width; ++x) EXPECT_EQ(cropped.at(x, y), complete.at(x0 + x, y0 + y));
     }
     Image8 nothing;
     draw_text(nothing, 0, 0, text, k_white);
@@ -138,10 +138,10 @@ constexpr int k_size = 48;
 Rgb8 pixel(const Image8& image, int square, int x, int y) { return image.at(square * k_size + x, y); }
 
 /// One of the three squares, without its caption.
-Image8 square(const Image8& image, int which) {
+Image8 square(const Image8& image, int index) {
     Image8 out(k_size, k_size);
     for (int y = 0; y < k_size; ++y)
-        for (int x = 0; x < k_size; ++x) out.at(x, y) = pixel(image, which, x, y);
+        for (int x = 0; x < k_size; ++x) out.at(x, y) = pixel(image, index, x, y);
     return out;
 }
 
@@ -170,7 +170,7 @@ TEST(Preview, ShowsTenTimesTheDifferenceAtTheExposureOfTheMeasured) {
     const Evaluate brdf[] = {evaluator(measured)};
     const Image truth = sphere_pictures(brdf, {&*studio, 1}, k_size)[0][0];
     const float exposure = exposure_to(truth, k_exposed_value);
-    const auto seen = [&](const Rgb& l, float factor) {
+    const auto displayed = [&](const Rgb& l, float factor) {
         factor *= exposure;
         return to_srgb8({factor * l.r, factor * l.g, factor * l.b});
     };
@@ -178,8 +178,8 @@ TEST(Preview, ShowsTenTimesTheDifferenceAtTheExposureOfTheMeasured) {
         const Image8 image = small_preview(measured, fit);
         const float factor = 10 * std::abs(fit.scale - 1);
         for_each_inside([&](int x, int y) {
-            const Rgb8 expected = seen(truth.at(x, y), factor);
-            EXPECT_EQ(pixel(image, 0, x, y), seen(truth.at(x, y), 1));
+            const Rgb8 expected = displayed(truth.at(x, y), factor);
+            EXPECT_EQ(pixel(image, 0, x, y), displayed(truth.at(x, y), 1));
             EXPECT_RGB_WITHIN(pixel(image, 2, x, y), expected, 1);
         });
     }

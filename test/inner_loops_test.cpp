@@ -34,9 +34,26 @@ Aligned<float> column(std::mt19937_64& random, double low = 0, double high = 1) 
 }
 
 std::vector<const float*> pointers(const std::vector<Aligned<float>>& columns) {
-    std::vector<const float*> p;
-    for (const auto& c : columns) p.push_back(c.data());
-    return p;
+    std::vector<const float*> pointers;
+    for (const auto& column : columns) pointers.push_back(column.data());
+    return pointers;
+}
+
+std::vector<Aligned<float>> random_columns(std::mt19937_64& random, std::size_t count) {
+    std::vector<Aligned<float>> columns;
+    for (std::size_t j = 0; j < count; ++j) columns.push_back(column(random, -0.5, 1));
+    return columns;
+}
+
+/// Expects that the product of two columns was added to `before`.
+void expect_added_product(double found, double before, const Aligned<float>& a, const Aligned<float>& b) {
+    double sum = before, size = 0;
+    for (std::size_t i = 0; i < k_block; ++i) {
+        const double product = double(a[i]) * double(b[i]);
+        sum += product;
+        size += std::abs(product);
+    }
+    EXPECT_WITHIN(found, sum, 3e-6 * size);
 }
 
 /// Each test runs once per instruction set.
@@ -197,8 +214,8 @@ TEST_P(InnerLoops, ExponentiateSubtractsTheOffset) {
             Aligned<float> x(k_block);
             for (std::size_t i = 0; i < k_block; ++i) {
                 const bool has_weight = rows_.root_weight[block * k_block + i] > 0;
-                x[i] =
-                    offset + (has_weight ? exponents[i] : 100.f * float(i));  // rows of weight 0 may have any exponent
+                // Rows of weight 0 may have any exponent.
+                x[i] = offset + (has_weight ? exponents[i] : 100.f * float(i));
             }
             const auto input = x;
             exponentiate(x.data(), &rows_.root_weight[block * k_block], offset, x.data(), rows_.rows_in(block));
@@ -229,10 +246,10 @@ TEST_P(InnerLoops, MultiplyAndResidualMatchTheirFormulas) {
         const double sum = residual(a.data(), beta, pointers(columns), r.data());
         double squares = 0;
         for (std::size_t i = 0; i < k_block; ++i) {
-            double rest = double(a[i]);
-            for (std::size_t j = 0; j < lobes; ++j) rest -= double(beta[j]) * double(columns[j][i]);
-            EXPECT_WITHIN(r[i], rest, 1e-6 * double(lobes + 1));
-            squares += rest * rest;
+            double difference = double(a[i]);
+            for (std::size_t j = 0; j < lobes; ++j) difference -= double(beta[j]) * double(columns[j][i]);
+            EXPECT_WITHIN(r[i], difference, 1e-6 * double(lobes + 1));
+            squares += difference * difference;
         }
         EXPECT_WITHIN_RELATIVE(sum, squares, 1e-5);
     }
@@ -241,40 +258,27 @@ TEST_P(InnerLoops, MultiplyAndResidualMatchTheirFormulas) {
 TEST_P(InnerLoops, AddProductsAddsProductsOfRowsAndColumns) {
     for (const std::size_t m : {1u, 4u, 7u})
         for (const std::size_t n : {1u, 3u, 8u}) {
-            std::vector<Aligned<float>> rows, columns;
-            for (std::size_t i = 0; i < m; ++i) rows.push_back(column(random_, -0.5, 1));
-            for (std::size_t k = 0; k < n; ++k) columns.push_back(column(random_, -0.5, 1));
+            const auto rows = random_columns(random_, m), columns = random_columns(random_, n);
             std::vector<double> G(m * n, 0.5);
             add_products(pointers(rows), pointers(columns), G.data());
             for (std::size_t i = 0; i < m; ++i)
-                for (std::size_t k = 0; k < n; ++k) {
-                    double sum = 0.5, size = 0;
-                    for (std::size_t l = 0; l < k_block; ++l) {
-                        sum += double(rows[i][l]) * double(columns[k][l]);
-                        size += std::abs(double(rows[i][l]) * double(columns[k][l]));
-                    }
-                    EXPECT_WITHIN(G[i * n + k], sum, 3e-6 * size);
-                }
+                for (std::size_t k = 0; k < n; ++k) expect_added_product(G[i * n + k], 0.5, rows[i], columns[k]);
         }
 }
 
 TEST_P(InnerLoops, AddGramAddsProductsUpToTheDiagonal) {
     for (std::size_t n = 1; n <= 30; ++n) {
-        std::vector<Aligned<float>> columns;
-        for (std::size_t j = 0; j < n; ++j) columns.push_back(column(random_, -0.5, 1));
-        std::vector<double> G(n * n), before;
+        const auto columns = random_columns(random_, n);
+        std::vector<double> G(n * n);
         for (double& x : G) x = uniform(random_);
-        before = G;
+        const std::vector<double> before = G;
         add_gram(pointers(columns), G.data());
         for (std::size_t i = 0; i < n; ++i)
-            for (std::size_t k = 0; k < n; ++k) {
-                double sum = 0, size = 0;
-                for (std::size_t m = 0; m < k_block && k <= i; ++m) {
-                    sum += double(columns[i][m]) * double(columns[k][m]);
-                    size += std::abs(double(columns[i][m]) * double(columns[k][m]));
-                }
-                EXPECT_WITHIN(G[i * n + k], before[i * n + k] + sum, 3e-6 * size) << n << ' ' << i << ' ' << k;
-            }
+            for (std::size_t k = 0; k < n; ++k)
+                if (k <= i)
+                    expect_added_product(G[i * n + k], before[i * n + k], columns[i], columns[k]);
+                else
+                    EXPECT_EQ(G[i * n + k], before[i * n + k]) << n << ' ' << i << ' ' << k;
     }
     std::vector<double> none;
     add_gram({}, none.data());
@@ -282,27 +286,38 @@ TEST_P(InnerLoops, AddGramAddsProductsUpToTheDiagonal) {
 
 /// The results of all loops for one set of random columns.
 std::vector<double> all_results(const PackedObservations& rows) {
+    constexpr std::size_t k_columns = 13;     // no multiple of a vector's width
+    constexpr std::size_t k_gram_rows = 448;  // fewer than a block has
     std::mt19937_64 random(3);
-    std::vector<double> results;
-    std::vector<Aligned<float>> columns;
-    for (int j = 0; j < 13; ++j) columns.push_back(column(random, -0.5, 1));
+    const auto columns = random_columns(random, k_columns);
     const auto pointers_to = pointers(columns);
-    const std::vector<float> weight(13, 0.3f);
+    const std::vector<float> weight(k_columns, 0.3f);
+    std::vector<double> results;
+    const auto add = [&](const auto& numbers) { results.insert(results.end(), numbers.begin(), numbers.end()); };
     Aligned<float> x(k_block), s(3 * k_block), derivatives(3 * k_block), further(SRBF_TERMS * k_block);
-    const auto add = [&](const Aligned<float>& numbers) {
-        results.insert(results.end(), numbers.begin(), numbers.end());
+    const auto add_features = [&](std::size_t block, int exchanged, float b, bool axial) {
+        variate_features(rows, block, exchanged, 0.6f, b, axial, s.data(), derivatives.data());
+        add(s);
+        add(derivatives);
     };
-    variate_features(rows, 0, 0, 0.6f, -0.8f, true, s.data(), derivatives.data()), add(s), add(derivatives);
-    variate_features(rows, 1, 1, 0.6f, 0.8f, false, s.data(), derivatives.data()), add(s), add(derivatives);
-    further_features(rows, 0, SRBF_TERMS, further.data()), add(further);
+    add_features(0, 0, -0.8f, true);
+    add_features(1, 1, 0.8f, false);
+    further_features(rows, 0, SRBF_TERMS, further.data());
+    add(further);
     const float* const root_weight = &rows.root_weight[k_block];
-    results.push_back(exponent(weight, pointers_to, root_weight, x.data(), rows.rows_in(1))), add(x);
-    exponentiate(x.data(), root_weight, 5, x.data(), rows.rows_in(1)), add(x);
-    results.push_back(residual(columns[0].data(), weight, pointers_to, x.data())), add(x);
-    results.push_back(sum(x.data())), results.push_back(sum_of_squares(x.data()));
-    std::vector<double> G(13 * 13);
-    add_gram(pointers_to, G.data(), 448), results.insert(results.end(), G.begin(), G.end());
-    add_products(pointers_to, pointers_to, G.data()), results.insert(results.end(), G.begin(), G.end());
+    results.push_back(exponent(weight, pointers_to, root_weight, x.data(), rows.rows_in(1)));
+    add(x);
+    exponentiate(x.data(), root_weight, 5, x.data(), rows.rows_in(1));
+    add(x);
+    results.push_back(residual(columns[0].data(), weight, pointers_to, x.data()));
+    add(x);
+    results.push_back(sum(x.data()));
+    results.push_back(sum_of_squares(x.data()));
+    std::vector<double> G(k_columns * k_columns);
+    add_gram(pointers_to, G.data(), k_gram_rows);
+    add(G);
+    add_products(pointers_to, pointers_to, G.data());
+    add(G);
     return results;
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "properties.h"
+#include "temporary_folder.h"
 
 namespace srbf::layers_test {
 namespace {
@@ -45,15 +46,13 @@ int level_of(const fs::path& path) {
             if (std::ranges::count(k_levels[level], folder.string()) > 0) return int(level);
     return -1;
 }
-/// An extra has public headers of its own, for its own files and for programs.
-bool is_of_extra(const fs::path& path) { return path.string().starts_with("extras/"); }
-bool is_public(const fs::path& path) { return path.string().find("include/srbf/") != std::string::npos; }
+bool has_part(const fs::path& path, const char* part) { return path.string().find(part) != std::string::npos; }
+/// An extra has public headers, too, for its own files and for programs.
+bool is_public(const fs::path& path) { return has_part(path, "include/srbf/"); }
 /// "extras/NAME" for a file of an extra; empty for one of the core.
 fs::path extra_of(const fs::path& path) {
-    return is_of_extra(path) ? *path.begin() / *std::next(path.begin()) : fs::path();
+    return path.string().starts_with("extras/") ? *path.begin() / *std::next(path.begin()) : fs::path();
 }
-
-bool is_of(const fs::path& path, const char* noun) { return path.string().find(noun) != std::string::npos; }
 
 struct Source {
     fs::path path;                    // relative to the project's root
@@ -68,7 +67,8 @@ std::vector<Source> sources() {
         roots.push_back(fs::relative(extra.path() / "include", k_root));
     for (const char* folder : {"include", "src", "extras", "app"})
         for (const auto& entry : fs::recursive_directory_iterator(k_root / folder)) {
-            if (!entry.is_regular_file() || is_of(entry.path(), "/test/") || is_of(entry.path(), "/corpus/")) continue;
+            if (!entry.is_regular_file() || has_part(entry.path(), "/test/") || has_part(entry.path(), "/corpus/"))
+                continue;
             Source source{fs::relative(entry.path(), k_root), {}, {}};
             std::ifstream in(entry.path());
             std::smatch match;
@@ -109,8 +109,7 @@ TEST(Layers, NoExtraIsNamedElsewhere) {
             const fs::path extra = extra_of(included);
             const fs::path user = extra_of(source.path);
             if (extra.empty() || extra == user) continue;
-            std::ifstream in(k_root / user / "CMakeLists.txt");
-            const std::string needs{std::istreambuf_iterator<char>(in), {}};
+            const std::string needs = read_text(k_root / user / "CMakeLists.txt");
             EXPECT_TRUE(!user.empty() && needs.find(extra.filename().string()) != needs.npos)
                 << source.path << " includes " << included;
         }
@@ -129,9 +128,9 @@ TEST(Layers, TypesDeclaredAheadAreOfLowerFolders) {
     };
     for (const Source& source : sources()) {
         if (is_public(source.path)) continue;
-        std::ifstream in(k_root / source.path);
-        const std::string& text = texts[source.path] = {std::istreambuf_iterator<char>(in), {}};
-        for (const std::string& name : names_in(text, defined)) level_of_type[name] = level_of(source.path);
+        texts[source.path] = read_text(k_root / source.path);
+        for (const std::string& name : names_in(texts[source.path], defined))
+            level_of_type[name] = level_of(source.path);
     }
     for (const auto& [path, text] : texts)
         for (const std::string& name : names_in(text, declared))
@@ -159,8 +158,8 @@ TEST(Layers, MeasurementsAndModelsDoNotSeeEachOther) {
     for (const Source& source : sources()) {
         if (source.path.string().starts_with("app/")) continue;
         for (const fs::path& included : source.included) {
-            EXPECT_FALSE(is_of(source.path, "measured") && is_of(included, "model")) << source.path;
-            EXPECT_FALSE(is_of(source.path, "model") && is_of(included, "measured")) << source.path;
+            EXPECT_FALSE(has_part(source.path, "measured") && has_part(included, "model")) << source.path;
+            EXPECT_FALSE(has_part(source.path, "model") && has_part(included, "measured")) << source.path;
         }
     }
 }
@@ -168,13 +167,13 @@ TEST(Layers, MeasurementsAndModelsDoNotSeeEachOther) {
 TEST(Layers, RenderersKnowNoFit) {
     for (const Source& source : sources())
         for (const fs::path& included : source.included)
-            EXPECT_FALSE(is_of(source.path, "render/") && is_of(included, "fit")) << source.path;
+            EXPECT_FALSE(has_part(source.path, "render/") && has_part(included, "fit")) << source.path;
 }
 
 TEST(Layers, PublicHeadersNeedTheStandardLibraryAlone) {
     for (const Source& source : sources())
         for (const std::string& name : source.system)
-            EXPECT_FALSE(is_of(source.path, "include/srbf/") && name.find_first_of("/.") != std::string::npos)
+            EXPECT_FALSE(is_public(source.path) && name.find_first_of("/.") != std::string::npos)
                 << source.path << " includes " << name;
 }
 
@@ -183,8 +182,7 @@ TEST(Layers, NamesHaveTheVersion) {
     for (const Source& source : sources()) {
         const bool is_header = is_public(source.path) && source.path.extension() == ".h";
         if (!is_header && source.path.string().starts_with("app/")) continue;
-        std::ifstream in(k_root / source.path);
-        const std::string text{std::istreambuf_iterator<char>(in), {}};
+        const std::string text = read_text(k_root / source.path);
         EXPECT_LACKS(text, "\nnamespace srbf") << source.path;
         EXPECT_TRUE(!is_header || text.find("\nSRBF_BEGIN\n") != text.npos || source.path.stem() == "version")
             << source.path;

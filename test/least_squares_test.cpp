@@ -244,15 +244,15 @@ TEST(LevenbergMarquardt, KeepsTheBounds) {
 TEST(LevenbergMarquardt, ReportsWhyItStopped) {
     VectorXd x{{1.0, 2.0}};
     Exponentials problem = two_exponentials(0.01);
-    const auto short_run = levenberg_marquardt(problem, x, {.max_iterations = 2});
-    EXPECT_EQ(short_run.stop, Stop::iterations);
-    EXPECT_EQ(short_run.iterations, 2);
+    const auto first_run = levenberg_marquardt(problem, x, {.max_iterations = 2});
+    EXPECT_EQ(first_run.stop, Stop::iterations);
+    EXPECT_EQ(first_run.iterations, 2);
     EXPECT_EQ(problem.last_x, x);
-    const auto rest = levenberg_marquardt(problem, x, k_precise);
-    EXPECT_EQ(rest.stop, Stop::decrease);
-    EXPECT_LT(rest.loss, short_run.loss);
+    const auto second_run = levenberg_marquardt(problem, x, k_precise);
+    EXPECT_EQ(second_run.stop, Stop::decrease);
+    EXPECT_LT(second_run.loss, first_run.loss);
     const VectorXd end = x;
-    EXPECT_EQ(levenberg_marquardt(problem, x, {.max_iterations = 0}).loss, rest.loss);
+    EXPECT_EQ(levenberg_marquardt(problem, x, {.max_iterations = 0}).loss, second_run.loss);
     EXPECT_EQ(x, end);
 }
 

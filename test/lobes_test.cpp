@@ -4,6 +4,7 @@
 #include "base/half.h"
 #include "base/least_squares.h"
 #include "base/levenberg_marquardt.h"
+#include "brdf_functions.h"
 #include "errors/sphere.h"
 #include "models/pm/pm_functions.h"
 #include "models/pm/solve/rounding.h"
@@ -14,15 +15,16 @@
 namespace srbf::lobes_test {
 namespace {
 
+float gaussian_of_half_vector(Vec3f wl, Vec3f wv) {
+    return Kernel<float>::gaussian(Kernel<float>::psi(wl, wv, 1, 1), {0, 0, 1}, 80);
+}
+
 /// Two lobes and a constant. No single lobe can fit their sum.
 Observations observations(Objective objective, std::size_t count = 4096) {
-    const Evaluate f = [](auto wl, auto wv, auto out) {
-        for (std::size_t i = 0; i < out.size(); ++i) {
-            const Vec3f h = Kernel<float>::psi(wl[i], wv[i], 1, 1);
-            const float g = Kernel<float>::gaussian(h, {0, 0, 1}, 80), b = wl[i].z * wv[i].z;
-            out[i] = {0.2f + g, 0.3f * b + 0.5f * g, 0.1f * g + 0.05f * b * b};
-        }
-    };
+    const Evaluate f = pairwise([](Vec3f wl, Vec3f wv) {
+        const float g = gaussian_of_half_vector(wl, wv), b = wl.z * wv.z;
+        return Rgb{0.2f + g, 0.3f * b + 0.5f * g, 0.1f * g + 0.05f * b * b};
+    });
     return *observe(f, {objective, 0, count, 7});
 }
 Observations observations(std::size_t count = 4096) { return observations(Objective::raw, count); }
@@ -31,6 +33,8 @@ Lobes general_lobes() {
     return {{PmForm::extended, 2, false}, {0.7, 1.4}, {3,         -2, 40, 0.5, 1,   1, 0.5, 3,  0.2, 2,
                                                        /**/ -1.5, 2,  -1, 1,   0.3, 4, 0.7, -4, 0.3, 5}};
 }
+
+Lobes extended_lobes() { return {{PmForm::extended, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, 0.2, 2, 3, -1.5, 1, -4, 0.3, 5}}; }
 
 Lobes reciprocal(Lobes lobes) {
     lobes.shape.form = PmForm::reciprocal;
@@ -50,6 +54,8 @@ const PackedObservations& rows() {
 
 Lobes some_lobes() { return {{PmForm::gaussian, 3}, {0.7, 0.1, 1.4}, {40, -2, 1, 3, 0.5, -1.5, -0.7, 4, 2}}; }
 
+LobeProblem problem_of(const PackedObservations& observed, const LobeShape& shape) { return {observed, shape, false}; }
+
 /// Compares 2 Jᵀr from `linearise` with central differences of the loss.
 void check_gradient(LobeProblem& problem, const Eigen::VectorXd& x) {
     Eigen::MatrixXd H;
@@ -68,12 +74,19 @@ void check_gradient(LobeProblem& problem, const Eigen::VectorXd& x) {
     }
 }
 
+/// Σ w |f − f̂|² over the pairs.
+double loss_of_pairs(const Observations& o, const PmModel& model) {
+    double loss = 0;
+    for (std::size_t i = 0; i < o.fitted_count(); ++i)
+        loss += o.weight[i] * squared_distance(o.f[i], value(model, o.wl[i], o.wv[i]));
+    return loss;
+}
+
 TEST(Lobes, SpectralGradientMatchesDifferences) {
     Observations o = observations(2048);
     Channels five{{400, 450, 500, 600, 700}, [](auto wl, auto wv, auto f) {
                       for (std::size_t i = 0; i < wl.size(); ++i) {
-                          const Vec3f h = Kernel<float>::psi(wl[i], wv[i], 1, 1);
-                          const float g = Kernel<float>::gaussian(h, {0, 0, 1}, 80), b = wl[i].z * wv[i].z;
+                          const float g = gaussian_of_half_vector(wl[i], wv[i]), b = wl[i].z * wv[i].z;
                           for (std::size_t c = 0; c < 5; ++c)
                               f[5 * i + c] = 0.1f * float(c + 1) + g / float(c + 1) + float(c % 2) * b * b;
                       }
@@ -82,10 +95,10 @@ TEST(Lobes, SpectralGradientMatchesDifferences) {
     const PackedObservations spectral(o, {.spectra = true});
     EXPECT_EQ(spectral.y.size(), 5u);
     for (const Lobes& lobes : {some_lobes(), reciprocal(general_lobes()), doubled(reciprocal(general_lobes()))}) {
-        LobeProblem problem(spectral, lobes.shape, false);
+        LobeProblem problem = problem_of(spectral, lobes.shape);
         check_gradient(problem, pack(lobes));
     }
-    LobeProblem problem(spectral, {PmForm::gaussian, 3}, false);
+    LobeProblem problem = problem_of(spectral, some_lobes().shape);
     const Eigen::VectorXd x = pack(some_lobes());
     problem.loss(x);
     EXPECT_EQ(problem.beta().cols(), 5);
@@ -95,12 +108,11 @@ TEST(Lobes, SpectralGradientMatchesDifferences) {
 }
 
 TEST(Lobes, GradientMatchesTheLoss) {
-    const Lobes horizon{{PmForm::horizon, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, -1.5, 1}},
-        extended{{PmForm::extended, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, 0.2, 2, 3, -1.5, 1, -4, 0.3, 5}};
+    const Lobes horizon{{PmForm::horizon, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, -1.5, 1}}, extended = extended_lobes();
     for (const Lobes& lobes :
          {some_lobes(), horizon, extended, general_lobes(), reciprocal(extended), reciprocal(general_lobes()),
           doubled(some_lobes()), doubled(general_lobes()), doubled(reciprocal(general_lobes()))}) {
-        LobeProblem problem(rows(), lobes.shape, false);
+        LobeProblem problem = problem_of(rows(), lobes.shape);
         check_gradient(problem, pack(lobes));
     }
 }
@@ -111,16 +123,12 @@ TEST(Lobes, LossIncludesAlbedo) {
     const double importance = 0.3;
     const PackedObservations rows_with_integrals(o, {.integral_importance = importance});
     for (const Lobes& lobes : {some_lobes(), general_lobes(), reciprocal(general_lobes())}) {
-        LobeProblem problem(rows_with_integrals, lobes.shape, false);
+        LobeProblem problem = problem_of(rows_with_integrals, lobes.shape);
         const Eigen::VectorXd x = pack(lobes);
         const double loss = problem.loss(x);
         check_gradient(problem, x);
         const PmModel model = to_model(problem, lobes);
-        double expected = 0;
-        for (std::size_t i = 0; i < o.fitted_count(); ++i)
-            for (int c = 0; c < 3; ++c)
-                expected +=
-                    o.weight[i] * elementary::pow(double(o.f[i][c]) - double(value(model, o.wl[i], o.wv[i])[c]), 2);
+        double expected = loss_of_pairs(o, model);
         for (const ObservedIntegral& integral : o.integrals) {
             double total = 0;
             std::array<double, 3> difference_sum{};
@@ -144,9 +152,8 @@ const PackedObservations& rows_with_pictures() {
 }
 
 TEST(Lobes, GradientMatchesTheLossWithPictures) {
-    const Lobes extended{{PmForm::extended, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, 0.2, 2, 3, -1.5, 1, -4, 0.3, 5}};
-    for (const Lobes& lobes : {some_lobes(), extended, general_lobes(), reciprocal(general_lobes())}) {
-        LobeProblem problem(rows_with_pictures(), lobes.shape, false);
+    for (const Lobes& lobes : {some_lobes(), extended_lobes(), general_lobes(), reciprocal(general_lobes())}) {
+        LobeProblem problem = problem_of(rows_with_pictures(), lobes.shape);
         const Eigen::VectorXd x = pack(lobes);
         for (int i = 0; i < 10; ++i) problem.loss(x);  // each starts from the previous coefficients
         check_gradient(problem, x);
@@ -156,16 +163,12 @@ TEST(Lobes, GradientMatchesTheLossWithPictures) {
 TEST(Lobes, LossIncludesPictures) {
     const Observations o = observations(Objective::appearance);
     ASSERT_FALSE(o.views.empty());
-    LobeProblem problem(rows_with_pictures(), {PmForm::gaussian, 3}, false);
+    LobeProblem problem = problem_of(rows_with_pictures(), some_lobes().shape);
     const Eigen::VectorXd x = pack(some_lobes());
     double loss = 0;
     for (int i = 0; i < 10; ++i) loss = problem.loss(x);
     const PmModel model = to_model(problem, some_lobes());
-    double pair_loss = 0, picture_loss = 0, delta_e = 0;
-    for (std::size_t i = 0; i < o.fitted_count(); ++i)
-        for (int c = 0; c < 3; ++c)
-            pair_loss +=
-                o.weight[i] * elementary::pow(double(o.f[i][c]) - double(value(model, o.wl[i], o.wv[i])[c]), 2);
+    double picture_loss = 0, delta_e = 0;
     int pixels = 0;
     for (const ObservedView& view : o.views)
         for (const ObservedPixel& pixel : view.pixels) {
@@ -176,22 +179,26 @@ TEST(Lobes, LossIncludesPictures) {
                     fitted[c] += pixel.weight[i] * value(model, view.wl[pixel.first + i], view.wv)[c];
                 }
             for (int c = 0; c < 3; ++c)
-                if (measured[c] >= 1) measured[c] = 1, fitted[c] = std::min(fitted[c], 1.f);
+                if (measured[c] >= 1) {
+                    measured[c] = 1;
+                    fitted[c] = std::min(fitted[c], 1.f);
+                }
             const double difference = delta_e_itp(measured, fitted);
-            delta_e += difference, picture_loss += 2 * (std::sqrt(difference * difference + 1) - 1);
+            delta_e += difference;
+            picture_loss += 2 * (std::sqrt(difference * difference + 1) - 1);
             ++pixels;
         }
-    EXPECT_WITHIN_RELATIVE(loss, pair_loss + 0.01 * picture_loss / pixels, 2e-3);
+    EXPECT_WITHIN_RELATIVE(loss, loss_of_pairs(o, model) + 0.01 * picture_loss / pixels, 2e-3);
     EXPECT_WITHIN_RELATIVE(problem.delta_e(), delta_e / pixels, 1e-3);
     // Pictures influence the coefficients: coefficients of the pairs alone have a larger visible error.
     const PackedObservations negligible(o, {.picture_importance = 1e-9});
-    LobeProblem without_pictures(negligible, {PmForm::gaussian, 3}, false);
+    LobeProblem without_pictures = problem_of(negligible, some_lobes().shape);
     without_pictures.loss(x);
     EXPECT_LT(problem.delta_e(), 0.98 * without_pictures.delta_e());
 }
 
 TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
-    LobeProblem problem(rows(), {PmForm::gaussian, 3}, false);
+    LobeProblem problem = problem_of(rows(), some_lobes().shape);
     const Lobes lobes = some_lobes();
     const Eigen::VectorXd x = pack(lobes);
     const double loss = problem.loss(x);
@@ -201,7 +208,6 @@ TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
         double total = 0;
         for (std::size_t i = 0; i < 4096; ++i)
             for (int c = 0; c < 3; ++c) {
-                const auto to_double = [](Vec3f w) { return Vec3d{w.x, w.y, w.z}; };
                 double f = 0;
                 for (int j = 0; j < 3; ++j) {
                     double exponent = -problem.offset()[std::size_t(j)];
@@ -229,7 +235,7 @@ TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
 }
 
 TEST(Lobes, CostOfDroppingIsARiseOfTheLoss) {
-    LobeProblem problem(rows(), {PmForm::gaussian, 3}, false);
+    LobeProblem problem = problem_of(rows(), some_lobes().shape);
     const Lobes lobes{{PmForm::gaussian, 3}, {k_pi / 4, 0, k_pi / 2}, {80, 0, 0, 0, 0, 0, 0, 3, 3}};
     const double loss = problem.loss(pack(lobes));
     const std::vector<double> cost = cost_of_dropping(problem.gram(), problem.beta());
@@ -244,7 +250,7 @@ TEST(Lobes, CostOfDroppingIsARiseOfTheLoss) {
 }
 
 TEST(Lobes, BestAdditionIsTheBestOfItsCandidates) {
-    LobeProblem problem(rows(), {PmForm::gaussian, 3}, false);
+    LobeProblem problem = problem_of(rows(), some_lobes().shape);
     Lobes lobes = some_lobes();
     lobes.parameter.resize(6);
     std::mt19937_64 random(5);
@@ -288,7 +294,7 @@ TEST(Rounding, KeepsDirections) {
 TEST(Rounding, ModelOfReciprocalLobesHasTheirLoss) {
     const Observations o = observations();
     for (const Lobes& lobes : {reciprocal(general_lobes()), doubled(reciprocal(general_lobes()))}) {
-        LobeProblem problem(rows(), lobes.shape, false);
+        LobeProblem problem = problem_of(rows(), lobes.shape);
         const double loss = problem.loss(pack(lobes));
         const PmModel model = to_model(problem, lobes);
         EXPECT_TRUE(is_reciprocal(model));
@@ -297,10 +303,9 @@ TEST(Rounding, ModelOfReciprocalLobesHasTheirLoss) {
 }
 
 TEST(Rounding, IsAtLeastAsGoodAsRoundingEachNumber) {
-    const Lobes extended{{PmForm::extended, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, 0.2, 2, 3, -1.5, 1, -4, 0.3, 5}};
-    for (const PackedObservations* each_rows : {&rows(), &rows_with_pictures()})
-        for (const Lobes& lobes : {some_lobes(), extended, general_lobes(), reciprocal(extended)}) {
-            LobeProblem problem(*each_rows, lobes.shape, false);
+    for (const PackedObservations* observed : {&rows(), &rows_with_pictures()})
+        for (const Lobes& lobes : {some_lobes(), extended_lobes(), general_lobes(), reciprocal(extended_lobes())}) {
+            LobeProblem problem = problem_of(*observed, lobes.shape);
             Eigen::VectorXd x = pack(lobes);
             const double unrounded = levenberg_marquardt(problem, x, {.max_iterations = 30}).loss;
             const Lobes best = unpack(x, lobes.shape);

@@ -18,8 +18,9 @@ namespace srbf::map_code_test {
 namespace {
 
 constexpr std::size_t k_width = 8, k_height = 4;
+constexpr double k_least = 1e-30;  ///< tolerance of values that are 0
 
-/// Returns a random map, of axial lobes or of general ones.
+/// A random map, of axial lobes or of general ones.
 TexelMap map_of(bool axial, std::size_t width = k_width, std::size_t height = k_height) {
     std::mt19937_64 random(axial ? 1 : 2);
     return random_map(random, {axial, true, 5, 3, 60, PmForm::extended}, width, height);
@@ -30,7 +31,7 @@ std::string code(const TexelMap& map, CodeLanguage language, bool albedo = true)
     return text ? *text : (ADD_FAILURE() << message(text.error()), "");
 }
 
-/// Holds a file of KTX 2.0 as its specification describes it: the numbers of its header, and levels of its texels.
+/// A file of KTX 2.0 as its specification describes it: the numbers of its header, and levels of its texels.
 template <typename Number> struct TextureOf {
     std::vector<std::uint32_t> header;
     std::vector<std::vector<Number>> levels;
@@ -38,9 +39,9 @@ template <typename Number> struct TextureOf {
 };
 using Texture = TextureOf<std::uint16_t>;
 template <typename Number = std::uint16_t> TextureOf<Number> texture_of(std::span<const std::byte> bytes) {
-    const auto number = [&](std::size_t at, auto read) {
-        EXPECT_LE(at + sizeof read, bytes.size());
-        std::memcpy(&read, &bytes[at], sizeof read);
+    const auto number = [&](std::size_t offset, auto read) {
+        EXPECT_LE(offset + sizeof read, bytes.size());
+        std::memcpy(&read, &bytes[offset], sizeof read);
         return read;
     };
     TextureOf<Number> texture;
@@ -58,20 +59,20 @@ template <typename Number = std::uint16_t> TextureOf<Number> texture_of(std::spa
     }
     const std::size_t end = texture.header[11] + texture.header[12];  // the metadata
     EXPECT_LE(end, after);
-    for (std::size_t at = texture.header[11], size = 0; at < end; at += 4 + (size + 3) / 4 * 4) {
-        size = number(at, std::uint32_t());
-        const std::string entry(reinterpret_cast<const char*>(&bytes[at + 4]), size);
+    for (std::size_t offset = texture.header[11], size = 0; offset < end; offset += 4 + (size + 3) / 4 * 4) {
+        size = number(offset, std::uint32_t());
+        const std::string entry(reinterpret_cast<const char*>(&bytes[offset + 4]), size);
         texture.metadata[entry.c_str()] = entry.substr(entry.find('\0') + 1);
     }
     return texture;
 }
 
-struct Pair {
+struct DirectionPair {
     Vec3f wl, wv;
 };
-std::vector<Pair> pairs(std::size_t count) {
+std::vector<DirectionPair> pairs(std::size_t count) {
     std::mt19937_64 random(3);
-    std::vector<Pair> pairs;
+    std::vector<DirectionPair> pairs;
     for (std::size_t i = 0; i < count; ++i) {
         const Vec3d wv = random_direction(random, 0.01), mirrored = mirror(wv);
         const Vec3d wl = i % 2 ? random_direction(random, 0.01) : normalize(mirrored + 0.05 * random_direction(random));
@@ -79,20 +80,8 @@ std::vector<Pair> pairs(std::size_t count) {
     }
     return pairs;
 }
-/// The mean BRDF of these texels.
-Rgb mean(const TexelMap& map, const std::vector<std::size_t>& texels, const Pair& at) {
-    Rgb sum;
-    for (const std::size_t t : texels) {
-        const Rgb f = value(texel(map, t), at.wl, at.wv);
-        for (int c = 0; c < 3; ++c) sum[c] += f[c] / float(texels.size());
-    }
-    return sum;
-}
-void expect_near(const Rgb& found, const Rgb& expected, float relative, const std::string& texel) {
-    EXPECT_RGB_WITHIN_RELATIVE(found, expected, relative, 1e-30) << texel;
-}
 
-class MapCode : public CodeTest {};
+using MapCode = CodeTest;
 
 TEST_F(MapCode, HasTheValuesOfTheTexels) {
     for (const bool axial : {true, false}) {
@@ -115,8 +104,8 @@ TEST_F(MapCode, HasTheValuesOfTheTexels) {
                 "    f = map_brdf(wl, wv, texel), to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
                 "    f = map_albedo(wv.z, texel), to[3] = f.x, to[4] = f.y, to[5] = f.z;\n}\n");
         ASSERT_TRUE(library);
-        const auto answer = function<void(const float*, const Pair*, const float*, Rgb*)>(library, "answer");
-        const std::vector<Pair> at = pairs(40 * map.count());
+        const auto answer = function<void(const float*, const DirectionPair*, const float*, Rgb*)>(library, "answer");
+        const std::vector<DirectionPair> at = pairs(40 * map.count());
         for (std::size_t t = 0; t < map.count(); ++t) {
             const Model model = texel(map, t);
             std::optional<PreparedBrdf> prepared;  // of some, since it takes long
@@ -126,8 +115,9 @@ TEST_F(MapCode, HasTheValuesOfTheTexels) {
             for (std::size_t i = 40 * t; i < 40 * (t + 1); ++i) {
                 std::array<Rgb, 2> found;
                 answer(texels.data(), &at[i], uv.data(), found.data());
-                expect_near(found[0], value(model, at[i].wl, at[i].wv), 2e-4f, "value");
-                if (prepared) expect_near(found[1], albedo(*prepared, at[i].wv.z), 2e-4f, "albedo");
+                EXPECT_RGB_WITHIN_RELATIVE(found[0], value(model, at[i].wl, at[i].wv), 2e-4, k_least);
+                if (!prepared) continue;
+                EXPECT_RGB_WITHIN_RELATIVE(found[1], albedo(*prepared, at[i].wv.z), 2e-4, k_least);
             }
         }
     }
@@ -182,15 +172,15 @@ TEST_F(MapCode, BytesAreNearestFractionsOfTheScale) {
         ASSERT_EQ(texture.levels[k].size(), 4 * J * texels);
         std::size_t white = 0;
         for (std::size_t i = 0; i < J * texels; ++i) {
-            const std::uint8_t* const at = &texture.levels[k][4 * (i % J * texels + i / J)];
-            EXPECT_EQ(at[3], 255);
+            const std::uint8_t* const rgba = &texture.levels[k][4 * (i % J * texels + i / J)];
+            EXPECT_EQ(rgba[3], 255);
             for (int c = 0; c < 3; ++c) {
                 const double scale = double(scales[i % J][c]), exact = double(level.coefficient[i][c]);
                 const auto difference = [&](int byte) { return std::abs(scale * srgb_decoded(byte / 255.0) - exact); };
                 EXPECT_LE(exact, scale * (1 + 1e-6));
-                for (const int other : {std::max(at[c] - 1, 0), std::min(at[c] + 1, 255)})
-                    EXPECT_LE(difference(at[c]), difference(other) + 1e-6 * scale);
-                white += at[c] == 255;
+                for (const int other : {std::max(rgba[c] - 1, 0), std::min(rgba[c] + 1, 255)})
+                    EXPECT_LE(difference(rgba[c]), difference(other) + 1e-6 * scale);
+                white += rgba[c] == 255;
             }
         }
         if (k > 0) continue;
@@ -217,7 +207,7 @@ TEST_F(MapCode, BytesHardlyAddToTheErrorOfData) {
         }
     double half_error = 0, both_errors = 0;
     for (std::size_t t = 0; t < map.count(); ++t)
-        for (const Pair& at : pairs(64)) {
+        for (const DirectionPair& at : pairs(64)) {
             const Rgb f = value(texel(map, t), at.wl, at.wv), g = value(texel(byte_map, t), at.wl, at.wv);
             for (int c = 0; c < 3; ++c) {
                 const float measured = std::cbrt(f[c] * (1 + noise(random)));
@@ -230,23 +220,32 @@ TEST_F(MapCode, BytesHardlyAddToTheErrorOfData) {
 }
 
 #ifdef SRBF_RASTER
+/// The mean BRDF of these texels.
+Rgb mean(const TexelMap& map, const std::vector<std::size_t>& texels, const DirectionPair& at) {
+    Rgb sum;
+    for (const std::size_t t : texels) {
+        const Rgb f = value(texel(map, t), at.wl, at.wv);
+        for (int c = 0; c < 3; ++c) sum[c] += f[c] / float(texels.size());
+    }
+    return sum;
+}
 /// Texels of a map, and where a level of its texture shows their mean.
-struct Place {
+struct TexelArea {
     std::vector<std::size_t> texels;
     std::array<float, 4> uv;  // and the level
 };
-Place place_of(std::size_t x0, std::size_t y0, std::size_t size, float level) {
-    Place place{{}, {(float(x0) + float(size) / 2) / k_width, (float(y0) + float(size) / 2) / k_height, level, 0}};
+TexelArea texel_area(std::size_t x0, std::size_t y0, std::size_t size, float level) {
+    TexelArea area{{}, {(float(x0) + float(size) / 2) / k_width, (float(y0) + float(size) / 2) / k_height, level, 0}};
     for (std::size_t y = y0; y < y0 + size; ++y)
-        for (std::size_t x = x0; x < x0 + size; ++x) place.texels.push_back(y * k_width + x);
-    return place;
+        for (std::size_t x = x0; x < x0 + size; ++x) area.texels.push_back(y * k_width + x);
+    return area;
 }
 /// Corners of texels, where a filter takes the mean of four, and middles of texels of the coarser levels.
-std::vector<Place> places() {
-    std::vector<Place> all;
-    for (std::size_t i = 0; i < 7; ++i) all.push_back(place_of(i, i % 3, 2, 0));
-    for (std::size_t i = 0; i < 8; ++i) all.push_back(place_of(2 * (i % 4), 2 * (i / 4), 2, 1));
-    all.push_back(place_of(4, 0, 4, 2));
+std::vector<TexelArea> texel_areas() {
+    std::vector<TexelArea> all;
+    for (std::size_t i = 0; i < 7; ++i) all.push_back(texel_area(i, i % 3, 2, 0));
+    for (std::size_t i = 0; i < 8; ++i) all.push_back(texel_area(2 * (i % 4), 2 * (i / 4), 2, 1));
+    all.push_back(texel_area(4, 0, 4, 2));
     return all;
 }
 
@@ -297,8 +296,8 @@ std::vector<std::array<float, 4>> answers_of(GLuint program, const std::vector<s
 /// At corners of texels the filter's BRDF is the mean of four, at the middle of a texel of level k that of the 4ᵏ under
 /// it.
 TEST_F(MapCode, FilteredTexturesAreMeansOfBrdfs) {
-    const std::vector<Place> all = places();
-    const std::vector<Pair> at = pairs(64);
+    const std::vector<TexelArea> all = texel_areas();
+    const std::vector<DirectionPair> at = pairs(64);
     const auto context = OffscreenContext::make(Dialect::gl_450);
     if (!context) GTEST_SKIP() << message(context.error());
     for (const bool axial : {true, false}) {
@@ -307,18 +306,18 @@ TEST_F(MapCode, FilteredTexturesAreMeansOfBrdfs) {
         ASSERT_NE(program, 0u);
         bind_layers(map);
         std::vector<std::array<float, 4>> questions;
-        for (const Place& place : all)
-            for (const Pair& pair : at) {
+        for (const TexelArea& area : all)
+            for (const DirectionPair& pair : at) {
                 questions.push_back({pair.wl.x, pair.wl.y, pair.wl.z, 0});
                 questions.push_back({pair.wv.x, pair.wv.y, pair.wv.z, 0});
-                questions.push_back(place.uv);
+                questions.push_back(area.uv);
             }
         const auto answers = answers_of(program, questions);
         EXPECT_EQ(glGetError(), GLenum(GL_NO_ERROR));
         for (std::size_t i = 0; i < answers.size(); ++i) {
-            const Place& place = all[i / at.size()];
-            expect_near({answers[i][0], answers[i][1], answers[i][2]}, mean(map, place.texels, at[i % at.size()]),
-                        1e-3f, fmt::format("level {}", place.uv[2]));
+            const TexelArea& area = all[i / at.size()];
+            EXPECT_RGB_WITHIN_RELATIVE(answers[i], mean(map, area.texels, at[i % at.size()]), 1e-3, k_least)
+                << "level " << area.uv[2];
         }
     }
 }

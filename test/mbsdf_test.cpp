@@ -68,27 +68,22 @@ TEST(Mbsdf, MayHaveOneSample) {
     std::mt19937_64 random(3);
     for (int i = 0; i < 100; ++i) {
         const Vec3f wl = to_float(random_direction(random, 1e-4)), wv = to_float(random_direction(random, 1e-4));
-        for (int c = 0; c < 3; ++c) EXPECT_WITHIN(value(*t, wl, wv)[c], 0.375, 1e-6);
+        EXPECT_RGB_WITHIN(value(*t, wl, wv), (Rgb{0.375f, 0.375f, 0.375f}), 1e-6);
     }
 }
 
 TEST(Mbsdf, MasksValuesThatAreNotFinite) {
-    const auto with = [](double bad) {
-        return mbsdf_file("", {mbsdf_block(k_reflection, 4, 5, 3, [&](int i, int j, int, int c) {
-                              return i == 1 && j == 2 && c == 1 ? bad : 0.5;
-                          })});
-    };
     for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
-        const auto t = checked(read_mbsdf(with(bad), "t"));
+        const auto with_one_bad = [&](int i, int j, int, int c) { return i == 1 && j == 2 && c == 1 ? bad : 0.5; };
+        const auto t = checked(read_mbsdf(mbsdf_file("", {mbsdf_block(k_reflection, 4, 5, 3, with_one_bad)}), "t"));
         EXPECT_EQ(t->masked, 5u);
-        const auto at = [&](double l, double v) {
-            return value(*t, to_float(spherical(l * k_degree, 0.1)), to_float(spherical(v * k_degree, 2.0)));
+        const auto value_at = [&](double theta_l, double theta_v) {
+            return value(*t, to_float(spherical(theta_l * k_degree, 0.1)),
+                         to_float(spherical(theta_v * k_degree, 2.0)));
         };
-        const Rgb near_it = at(25, 40), far = at(60, 10);
-        for (int c = 0; c < 3; ++c) {
-            EXPECT_TRUE(std::isnan(near_it[c]));
-            EXPECT_WITHIN(far[c], 0.5, 1e-6);
-        }
+        const Rgb near_it = value_at(25, 40);
+        for (int c = 0; c < 3; ++c) EXPECT_TRUE(std::isnan(near_it[c]));
+        EXPECT_RGB_WITHIN(value_at(60, 10), (Rgb{0.5f, 0.5f, 0.5f}), 1e-6);
     }
     const double nan = std::nan("");
     EXPECT_EQ(error_text(read_measured(
@@ -96,64 +91,65 @@ TEST(Mbsdf, MasksValuesThatAreNotFinite) {
               "f: at 55: MBSDF samples: expected at least one that is finite, found none");
 }
 
-/// Every sentence of the format that a file may break, and where.
+/// Every rule of the format that a file may break, and where.
 TEST(Mbsdf, ReportsErrorsInOneLine) {
     const auto f = [](int, int, int, int) { return 0.5; };
     const Bytes block = mbsdf_block(k_reflection, 2, 3, 1, f),
                 through = mbsdf_block("MBSDF_DATA_TRANSMISSION=", 2, 3, 1, f);
-    const auto say = [&](const std::string& lines) {
-        return error_text(read_measured(mbsdf_file(lines, {block}), "f"));
-    };
-    EXPECT_EQ(say("a=\"b\"\nc=\"\"\na=\"\\n\\\\\\\"\"\n"), "");
-    EXPECT_EQ(say("a\n"), "f: at 20: MBSDF header: expected a line key=\"value\" or the head of a block, found 'a'");
-    EXPECT_CONTAINS(say("=\"b\"\n"), "at 20: MBSDF header: expected a line key");
-    EXPECT_CONTAINS(say("a=b\n"), "at 20: MBSDF header: expected a line key");
-    EXPECT_EQ(say("a=\"b\\t\"\n"), "f: at 24: MBSDF header: expected one of \\n, \\\" and \\\\, found '\\t'");
-    EXPECT_CONTAINS(say("a=\"b\\\n"), "at 24: MBSDF header: expected one of");
-    EXPECT_EQ(say("a=\"b\n"),
+    const auto error_of = [](const Bytes& bytes) { return error_text(read_measured(bytes, "f")); };
+    const auto error_of_lines = [&](const std::string& lines) { return error_of(mbsdf_file(lines, {block})); };
+    EXPECT_EQ(error_of_lines("a=\"b\"\nc=\"\"\na=\"\\n\\\\\\\"\"\n"), "");
+    EXPECT_EQ(error_of_lines("a\n"),
+              "f: at 20: MBSDF header: expected a line key=\"value\" or the head of a block, found 'a'");
+    EXPECT_CONTAINS(error_of_lines("=\"b\"\n"), "at 20: MBSDF header: expected a line key");
+    EXPECT_CONTAINS(error_of_lines("a=b\n"), "at 20: MBSDF header: expected a line key");
+    EXPECT_EQ(error_of_lines("a=\"b\\t\"\n"),
+              "f: at 24: MBSDF header: expected one of \\n, \\\" and \\\\, found '\\t'");
+    EXPECT_CONTAINS(error_of_lines("a=\"b\\\n"), "at 24: MBSDF header: expected one of");
+    EXPECT_EQ(error_of_lines("a=\"b\n"),
               "f: at 24: MBSDF header: expected a quotation mark that ends the value, found the end of the line");
-    EXPECT_EQ(say("a=\"b\"c\n"), "f: at 25: MBSDF header: expected the end of the line after the value, found 'c'");
-    EXPECT_EQ(say("a=\"b\"\nc=\"\x1b[2J\"\n"),
+    EXPECT_EQ(error_of_lines("a=\"b\"c\n"),
+              "f: at 25: MBSDF header: expected the end of the line after the value, found 'c'");
+    EXPECT_EQ(error_of_lines("a=\"b\"\nc=\"\x1b[2J\"\n"),
               "f: at 29: MBSDF header: expected printable characters, found the byte 1b");
 
     Bytes next = mbsdf_file("", {block});
     next[18] = std::byte('2');
-    EXPECT_EQ(error_text(read_measured(next, "f")),
+    EXPECT_EQ(error_of(next),
               "f: at 0: MBSDF file: expected the line 'NVIDIA ARC MBSDF V1', found 'NVIDIA ARC MBSDF V2'");
-    EXPECT_EQ(error_text(read_measured(mbsdf_file("a=\"b\"\n", {}), "f")),
+    EXPECT_EQ(error_of(mbsdf_file("a=\"b\"\n", {})),
               "f: at 26: MBSDF header: expected a block, headed MBSDF_DATA_REFLECTION=, found the end of the file");
-    EXPECT_EQ(error_text(read_measured(mbsdf_file("", {through}), "f")),
+    EXPECT_EQ(error_of(mbsdf_file("", {through})),
               "f: at 20: MBSDF file: expected a block of reflection, found transmission alone");
-    EXPECT_EQ(error_text(read_measured(mbsdf_file("", {through, block}), "f")),
-              error_text(read_measured(mbsdf_file("", {through}), "f")));
-    EXPECT_EQ(error_text(read_measured(mbsdf_file("", {block, block}), "f")),
+    EXPECT_EQ(error_of(mbsdf_file("", {through, block})), error_of(mbsdf_file("", {through})));
+    EXPECT_EQ(error_of(mbsdf_file("", {block, block})),
               "f: at 103: after the MBSDF block of reflection: expected the end of the file, or "
               "MBSDF_DATA_TRANSMISSION=, found 83 bytes");
     EXPECT_EQ(error_text(read_measured(mbsdf_file("", {block, through, Bytes(5)}), "f")),
               "f: at 188: after the MBSDF block of transmission: expected the end of the file, found 5 bytes");
     Bytes cut = mbsdf_file("", {block, through});
     cut.pop_back();
-    EXPECT_EQ(error_text(read_measured(cut, "f")),
-              "f: at 140: MBSDF block of 2 x 2 x 3 x 1 numbers: expected 48 bytes, found 47 bytes");
+    EXPECT_EQ(error_of(cut), "f: at 140: MBSDF block of 2 x 2 x 3 x 1 numbers: expected 48 bytes, found 47 bytes");
     cut.resize(135);
     EXPECT_EQ(
-        error_text(read_measured(cut, "f")),
+        error_of(cut),
         "f: at 128: MBSDF block: expected type and numbers of angles in 12 bytes, found the end of the file after 7");
 }
 
 TEST(Mbsdf, RefusesSizesBeyondTheFile) {
-    const auto with = [](std::size_t number, std::uint32_t n) {
+    const auto error_with = [](std::size_t number, std::uint32_t n) {
         Bytes bytes = mbsdf_file("", {mbsdf_block(k_reflection, 2, 3, 1, [](int, int, int, int) { return 0.5; })});
         std::memcpy(&bytes[43 + 4 * number], &n, sizeof n);
         return error_text(read_measured(bytes, "f"));
     };
-    EXPECT_EQ(with(0, 2), "f: at 43: type of an MBSDF block: expected 0 (grey) or 1 (RGB), found 2");
-    EXPECT_EQ(with(0, 1), "f: at 55: MBSDF block of 2 x 2 x 3 x 3 numbers: expected 144 bytes, found 48 bytes");
+    EXPECT_EQ(error_with(0, 2), "f: at 43: type of an MBSDF block: expected 0 (grey) or 1 (RGB), found 2");
+    EXPECT_EQ(error_with(0, 1), "f: at 55: MBSDF block of 2 x 2 x 3 x 3 numbers: expected 144 bytes, found 48 bytes");
     for (const std::uint32_t n : {0u, 4097u, 0x80000000u, ~0u}) {
-        EXPECT_CONTAINS(with(1, n), "at 47: dimensions of an MBSDF block: expected each between 1 and 4096, found");
-        EXPECT_CONTAINS(with(2, n), "at 47: dimensions of an MBSDF block");
+        EXPECT_CONTAINS(error_with(1, n),
+                        "at 47: dimensions of an MBSDF block: expected each between 1 and 4096, found");
+        EXPECT_CONTAINS(error_with(2, n), "at 47: dimensions of an MBSDF block");
     }
-    EXPECT_CONTAINS(with(1, 4096), "expected 201326592 bytes, found 48 bytes");
+    EXPECT_CONTAINS(error_with(1, 4096), "expected 201326592 bytes, found 48 bytes");
 }
 
 /// NVIDIA's own files say where the samples stand (docs/formats.md#mbsdf).
@@ -164,27 +160,27 @@ class CarPaint : public testing::TestWithParam<const char*> {
         if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
         bytes_ = *read_file(path.string());
         const auto read = checked(read_mbsdf(bytes_, path.string()));
-        t_ = *read;
+        table_ = *read;
     }
-    double at(std::size_t i, std::size_t j, std::size_t k) const {
-        const Rgb& f = t_.cells[(i * t_.polar + j) * t_.azimuths + k];
+    double sum_of_channels(std::size_t i, std::size_t j, std::size_t k) const {
+        const Rgb& f = table_.cells[(i * table_.polar + j) * table_.azimuths + k];
         return double(f.r) + double(f.g) + double(f.b);
     }
     Bytes bytes_;
-    MbsdfTable t_;
+    MbsdfTable table_;
 };
 
 TEST_P(CarPaint, IsWrittenAgainByteForByte) {
-    EXPECT_EQ(t_.polar, 45u);
-    EXPECT_EQ(t_.azimuths, 90u);
-    EXPECT_EQ(write_mbsdf(t_), bytes_);
+    EXPECT_EQ(table_.polar, 45u);
+    EXPECT_EQ(table_.azimuths, 90u);
+    EXPECT_EQ(write_mbsdf(table_), bytes_);
 }
 
 /// The mirror direction has the last azimuth.
 TEST_P(CarPaint, HasItsHighlightAtTheLastAzimuth) {
     for (std::size_t i = 6; i < 33; ++i) {
-        EXPECT_GT(at(i, i, t_.azimuths - 1), 50 * at(i, i, 0)) << i;
-        EXPECT_GE(at(i, i, t_.azimuths - 1), at(i, i, t_.azimuths - 2)) << i;
+        EXPECT_GT(sum_of_channels(i, i, table_.azimuths - 1), 50 * sum_of_channels(i, i, 0)) << i;
+        EXPECT_GE(sum_of_channels(i, i, table_.azimuths - 1), sum_of_channels(i, i, table_.azimuths - 2)) << i;
     }
 }
 

@@ -13,6 +13,8 @@
 namespace srbf::measured_test {
 namespace {
 
+const std::string k_name = "test\n.file";
+
 /// Expects that a read result is an error with all its parts, or a table that keeps the contract of a BRDF.
 template <typename Table> void expect_contract_or_error(const Table& table, std::mt19937_64& random) {
     constexpr bool may_be_missing = !std::is_same_v<Table, ScatteredSamples>;
@@ -30,7 +32,7 @@ template <typename Table> void expect_contract_or_error(const Table& table, std:
 
 template <typename Table> void expect_contract_or_error(const Result<Table>& table, std::mt19937_64& random) {
     if (table) return expect_contract_or_error(*table, random);
-    EXPECT_EQ(table.error().source, "test\n.file");
+    EXPECT_EQ(table.error().source, k_name);
     EXPECT_FALSE(table.error().what.empty());
     EXPECT_LACKS(error_text(table), "\n");
     EXPECT_LT(message(table.error()).size(), 1000u);
@@ -40,19 +42,27 @@ template <typename Table> void expect_contract_or_error(const Result<Table>& tab
 bool read_all(std::span<const std::byte> bytes, std::mt19937_64& random) {
     // A copy of exactly this size, so that sanitizers notice reads past its end.
     const Bytes copy(bytes.begin(), bytes.end());
-    const auto measured = read_measured(copy, "test\n.file");
+    const auto measured = read_measured(copy, k_name);
     if (measured)
         std::visit([&](const auto& table) { expect_contract_or_error(table, random); }, measured->table);
     else
         expect_contract_or_error(Result<RglTable>(measured.error()), random);
-    expect_contract_or_error(read_merl(copy, "test\n.file"), random);
-    expect_contract_or_error(read_rgl(copy, "test\n.file"), random);
-    expect_contract_or_error(read_mbsdf(copy, "test\n.file"), random);
+    expect_contract_or_error(read_merl(copy, k_name), random);
+    expect_contract_or_error(read_rgl(copy, k_name), random);
+    expect_contract_or_error(read_mbsdf(copy, k_name), random);
     for (const auto reader : {read_cornell, read_astm, read_alta})
-        expect_contract_or_error(build_index(reader(copy, "test\n.file")), random);
-    expect_contract_or_error(build_index(read_csv(copy, "test\n.file", {})), random);
+        expect_contract_or_error(build_index(reader(copy, k_name)), random);
+    expect_contract_or_error(build_index(read_csv(copy, k_name, {})), random);
     return measured.ok();
 }
+
+Bytes with_flipped_bits(std::span<const std::byte> bytes, std::size_t position, int pattern) {
+    Bytes damaged(bytes.begin(), bytes.end());
+    damaged[position] ^= std::byte(pattern);
+    return damaged;
+}
+
+constexpr std::size_t k_merl_header = 3 * sizeof(std::int32_t);  ///< the numbers of nodes [bytes]
 
 Bytes small_merl() {
     return merl_file({3, 4, 5}, [](int h, int d, int p, int c) { return (h + d + p) % 7 == 6 ? -1 : 1 + c + h; });
@@ -88,40 +98,30 @@ TEST(DamagedInput, EveryFlippedByteOfATextIsAnErrorOrSamples) {
     std::mt19937_64 random(6);
     for (const std::string_view text : {k_small_cornell, k_small_astm, k_small_alta, k_small_csv})
         for (std::size_t position = 0; position < text.size(); ++position)
-            for (const int pattern : {0xff, 0x01, 0x80, 0x10, 0x20}) {
-                const auto bytes = as_bytes(text);
-                Bytes damaged(bytes.begin(), bytes.end());
-                damaged[position] ^= std::byte(pattern);
-                read_all(damaged, random);
-            }
+            for (const int pattern : {0xff, 0x01, 0x80, 0x10, 0x20})
+                read_all(with_flipped_bits(as_bytes(text), position, pattern), random);
 }
 
 TEST(DamagedInput, EveryFlippedHeaderByteIsAnErrorOrATable) {
     std::mt19937_64 random(2);
     std::size_t header = 0, spectral_header = 0, anisotropic_header = 0;
-    const Bytes rgl = tensor_file(simple_rgl(), &header), merl = small_merl();
-    const Bytes spectral = tensor_file(spectral_rgl(), &spectral_header),
+    const Bytes rgl = tensor_file(simple_rgl(), &header), spectral = tensor_file(spectral_rgl(), &spectral_header),
                 anisotropic = tensor_file(anisotropic_rgl(), &anisotropic_header);
-    for (const auto& [bytes, size] :
-         {std::pair(rgl, header), std::pair(merl, std::size_t(12)), std::pair(spectral, spectral_header),
-          std::pair(anisotropic, anisotropic_header), std::pair(small_mbsdf(), small_mbsdf().size()),
-          std::pair(grey_mbsdf(), grey_mbsdf().size())})
+    for (const auto& [bytes, size] : {std::pair(rgl, header),
+                                      {small_merl(), k_merl_header},
+                                      {spectral, spectral_header},
+                                      {anisotropic, anisotropic_header},
+                                      {small_mbsdf(), small_mbsdf().size()},
+                                      {grey_mbsdf(), grey_mbsdf().size()}})
         for (std::size_t position = 0; position < size; ++position)
-            for (const int pattern : {0xff, 0x01, 0x80}) {
-                Bytes damaged = bytes;
-                damaged[position] ^= std::byte(pattern);
-                read_all(damaged, random);
-            }
+            for (const int pattern : {0xff, 0x01, 0x80}) read_all(with_flipped_bits(bytes, position, pattern), random);
 }
 
 TEST(DamagedInput, EveryFlippedByteOfTheNumbersIsAnErrorOrATable) {
     std::mt19937_64 random(3);
     for (const Bytes& bytes : {small_merl(), tensor_file(simple_rgl())})
-        for (std::size_t position = 12; position < bytes.size(); ++position) {
-            Bytes damaged = bytes;
-            damaged[position] ^= std::byte(position % 2 ? 0x7f : 0xff);
-            read_all(damaged, random);
-        }
+        for (std::size_t position = k_merl_header; position < bytes.size(); ++position)
+            read_all(with_flipped_bits(bytes, position, position % 2 ? 0x7f : 0xff), random);
 }
 
 TEST(DamagedInput, HasPlainMessages) {
@@ -145,9 +145,8 @@ TEST(DamagedInput, HasPlainMessages) {
 Bytes large_file(const Format& format) {
     if (format.name == "UTIA") return Bytes(format.size({}));
     if (format.name == "MERL") return merl_file({50, 50, 50}, [](auto...) { return 1; });
-    for (const auto& [target, folder] : corpora())
-        for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-            const std::string text = read_text(entry.path());
+    for (const auto& [target, files] : corpus_files())
+        for (const std::string& text : files) {
             Bytes bytes(as_bytes(text).begin(), as_bytes(text).end());
             if (format_of(bytes) != &format) continue;
             bytes.resize(3'000'000, std::byte('\n'));
@@ -168,6 +167,10 @@ TEST(Formats, AreReadCompletely) {
     }
 }
 
+std::string rgl_error(const std::vector<FieldToWrite>& fields) {
+    return error_text(read_rgl(tensor_file(fields), "f"));
+}
+
 TEST(DamagedInput, SizesBeyondTheFileAreRejected) {
     for (const std::int32_t n : {0, -1, 4097, 0x7fffffff}) {
         Bytes merl;
@@ -177,16 +180,16 @@ TEST(DamagedInput, SizesBeyondTheFileAreRejected) {
         ASSERT_FALSE(table.ok());
         EXPECT_EQ(table.error().what, "MERL dimensions");
     }
-    Bytes merl;
-    for (int i = 0; i < 3; ++i) append(merl, std::int32_t(4096));
-    EXPECT_FALSE(read_merl(merl, "f").ok());
+    Bytes large_merl;
+    for (int i = 0; i < 3; ++i) append(large_merl, std::int32_t(4096));
+    EXPECT_FALSE(read_merl(large_merl, "f").ok());
 
     for (const std::uint64_t n : {std::uint64_t(0x7fffffff), std::uint64_t(1) << 62, ~std::uint64_t(0)}) {
         auto fields = simple_rgl();
         field(fields, "vndf").shape = {1, 3, n, n};
-        EXPECT_CONTAINS(error_text(read_rgl(tensor_file(fields), "f")), "to lie within");
+        EXPECT_CONTAINS(rgl_error(fields), "to lie within");
         field(fields, "vndf").shape = {0, n, n, n};  // no elements
-        EXPECT_FALSE(error_text(read_rgl(tensor_file(fields), "f")).empty());
+        EXPECT_FALSE(rgl_error(fields).empty());
     }
 
     // An offset near 2⁶⁴ wraps around when the size is added. It is in the first entry, after its name.
@@ -201,32 +204,30 @@ TEST(DamagedInput, SizesBeyondTheFileAreRejected) {
 
 TEST(DamagedInput, EachNeededFieldIsChecked) {
     for (const auto& [name, type, shape, numbers] : simple_rgl()) {
+        const std::string tensor_field = "tensor field " + name;
         auto missing = simple_rgl();
         std::erase_if(missing, [&, name = name](const FieldToWrite& f) { return f.name == name; });
-        EXPECT_CONTAINS(error_text(read_rgl(tensor_file(missing), "f")), "tensor field " + name);
-        EXPECT_CONTAINS(error_text(read_rgl(tensor_file(missing), "f")), "no such field");
+        EXPECT_CONTAINS(rgl_error(missing), tensor_field);
+        EXPECT_CONTAINS(rgl_error(missing), "no such field");
 
         auto other_type = simple_rgl();
         field(other_type, name).type = type == TensorType::u8 ? TensorType::i8 : TensorType::u32;
-        EXPECT_CONTAINS(error_text(read_rgl(tensor_file(other_type), "f")), "tensor field " + name);
+        EXPECT_CONTAINS(rgl_error(other_type), tensor_field);
 
         auto other_rank = simple_rgl();
         field(other_rank, name).shape.push_back(1);
-        EXPECT_CONTAINS(error_text(read_rgl(tensor_file(other_rank), "f")), "tensor field " + name);
+        EXPECT_CONTAINS(rgl_error(other_rank), tensor_field);
 
         auto duplicated = simple_rgl();
         duplicated.push_back(field(duplicated, name));
-        EXPECT_CONTAINS(error_text(read_rgl(tensor_file(duplicated), "f")),
-                        "tensor field " + name + ": expected each name once");
+        EXPECT_CONTAINS(rgl_error(duplicated), tensor_field + ": expected each name once");
 
         if (type != TensorType::f32) continue;
         for (const float bad : {std::nanf(""), INFINITY, -INFINITY, -1e20f}) {
             auto filled = simple_rgl();
             FieldToWrite& f = field(filled, name);
             std::memcpy(f.numbers.data() + f.numbers.size() - 4, &bad, 4);
-            EXPECT_CONTAINS(error_text(read_rgl(tensor_file(filled), "f")),
-                            "tensor field " + name + ": expected values")
-                << bad;
+            EXPECT_CONTAINS(rgl_error(filled), tensor_field + ": expected values") << bad;
         }
     }
 }
@@ -235,7 +236,7 @@ TEST(DamagedInput, EachValueIsChecked) {
     const auto error_with_field = [](const std::string& name, std::vector<std::uint64_t> shape, auto f) {
         auto fields = simple_rgl();
         field(fields, name) = float_field(name, std::move(shape), f);
-        return error_text(read_rgl(tensor_file(fields), "f"));
+        return rgl_error(fields);
     };
     const auto zero = [](std::size_t) { return 0.0f; };
     const auto index = [](std::size_t i) { return float(i); };
@@ -255,7 +256,7 @@ TEST(DamagedInput, EachValueIsChecked) {
     const auto with_wavelengths = [](const std::vector<float>& nm) {
         auto fields = spectral_rgl();
         field(fields, "wavelengths") = float_field("wavelengths", {nm.size()}, [&](std::size_t i) { return nm[i]; });
-        return error_text(read_rgl(tensor_file(fields), "f"));
+        return rgl_error(fields);
     };
     EXPECT_EQ(with_wavelengths({450, 550, 600}), "");
     for (const std::vector<float>& nm :
@@ -264,7 +265,7 @@ TEST(DamagedInput, EachValueIsChecked) {
     EXPECT_CONTAINS(with_wavelengths({450, 550}), "tensor field spectra: expected 1 x 3 x 2 x n x n");
     auto without_wavelengths = spectral_rgl();
     std::erase_if(without_wavelengths, [](const FieldToWrite& f) { return f.name == "wavelengths"; });
-    EXPECT_CONTAINS(error_text(read_rgl(tensor_file(without_wavelengths), "f")), "tensor field wavelengths");
+    EXPECT_CONTAINS(rgl_error(without_wavelengths), "tensor field wavelengths");
 }
 
 }  // namespace

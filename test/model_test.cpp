@@ -1,8 +1,7 @@
 // Models and their files: a file has the promised bytes, and reading it gives the written model.
 #include "srbf/model.h"
 
-#include <nlohmann/json.hpp>
-
+#include "model_bytes.h"
 #include "models.h"
 #include "models/kind/parameters.h"
 #include "models/pm/pm_functions.h"
@@ -16,13 +15,6 @@ namespace {
 using Bytes = std::vector<std::byte>;
 
 const PmModel& pm(const Model& model) { return std::get<PmModel>(model.model); }
-
-nlohmann::json header(const Bytes& bytes) {
-    std::size_t length = 0;
-    for (std::size_t i = 8; i-- > 0;) length = length << 8 | std::to_integer<std::size_t>(bytes[i]);
-    const auto* text = reinterpret_cast<const char*>(bytes.data()) + 8;
-    return nlohmann::json::parse(text, text + length);
-}
 
 TEST(Model, WrittenModelsAreReadBack) {
     std::mt19937_64 random(1);
@@ -63,7 +55,8 @@ TEST(Model, NumbersBeyondAHalfAreHeldAtItsEnd) {
     model.bandwidth[0] = 1e9f;
     model.centre[1] = {0, 0, -1};
     model.bandwidth[1] = 1e-12f;
-    model.log_scale[0] = -1e9f, model.log_scale[1] = 1e9f;
+    model.log_scale[0] = -1e9f;
+    model.log_scale[1] = 1e9f;
     const PmModel once = rounded(model);
     EXPECT_EQ(once.coefficient[0], (Rgb{k_half_max, k_half_max, 0}));
     EXPECT_EQ(once.bandwidth[0], k_half_max);
@@ -102,8 +95,8 @@ TEST(Model, CentresKeepTheirAnglesToTheDigitsOfAHalf) {
         model.centre[i++] = pole;
     for (const double tilt : {1e-7, 1e-5, 1e-4, 1e-3, 1e-2, 0.1})
         for (const double z : {1.0, -1.0})
-            for (const double turn : {0.3, -2.5})
-                model.centre[i++] = to_float(spherical(z > 0 ? tilt : k_pi - tilt, turn));
+            for (const double azimuth : {0.3, -2.5})
+                model.centre[i++] = to_float(spherical(z > 0 ? tilt : k_pi - tilt, azimuth));
     const PmModel once = rounded(model);
     for (std::size_t k = 0; k < model.centre.size(); ++k) {
         const Vec3f a = model.centre[k], b = once.centre[k];
@@ -136,41 +129,38 @@ TEST(Model, BytesAreThePromisedOnes) {
         const PmModel model = random_model(random, {axial, log_scale, 7, 5, 300, form});
         EXPECT_EQ(has_log_scale(model), log_scale || form != PmForm::gaussian);
         const Bytes file = write_model({model, {}});
-        std::size_t length = 0, tensors = 0;
-        for (std::size_t i = 8; i-- > 0;) length = length << 8 | std::to_integer<std::size_t>(file[i]);
+        const std::size_t length = header_length_of(file);
         EXPECT_EQ(file.size() - 8 - length, payload_bytes(model));
         EXPECT_EQ(length % 8, 0u);
-        const auto text = header(file);
-        for (const auto& [name, entry] : text.items()) {
-            if (name == "__metadata__") continue;
-            EXPECT_EQ(entry["dtype"], "F16");
-            ++tensors;
-        }
-        EXPECT_EQ(tensors, 3u + !axial + has_log_scale(model) + (form != PmForm::gaussian));
+        auto tensors = header_of(file);
+        tensors.erase("__metadata__");
+        for (const auto& entry : tensors) EXPECT_EQ(entry["dtype"], "F16");
+        EXPECT_EQ(tensors.size(), 3u + !axial + has_log_scale(model) + (form != PmForm::gaussian));
     }
 }
 
 TEST(Model, TensorsAreNamedAndOrderedAsPromised) {
     PmModel model;
-    model.lobes = 1, model.variates = 2;
+    model.lobes = 1;
+    model.variates = 2;
     model.coefficient = {{1, 2, 0.5f}};
     model.log_scale = {0};
     model.centre = {{0, 0, 1}, {0, 0, -1}};
     model.bandwidth = {3, 4};
     model.parameterization = {{1, 1}, {0, -1}};
     const Bytes file = write_model({model, {{"who", "me"}}});
-    const auto text = header(file);
-    EXPECT_EQ(text["__metadata__"],
+    const auto header = header_of(file);
+    EXPECT_EQ(header["__metadata__"],
               (nlohmann::json{{"srbf", "1"}, {"model", "pm"}, {"form", "source"}, {"axial", "true"}, {"who", "me"}}));
-    EXPECT_EQ(text["coefficient"]["shape"], (nlohmann::json{1, 3}));
-    EXPECT_EQ(text["bandwidth"]["shape"], (nlohmann::json{1, 2}));
-    EXPECT_EQ(text["parameterization"]["shape"], (nlohmann::json{2, 2}));
+    EXPECT_EQ(header["coefficient"]["shape"], (nlohmann::json{1, 3}));
+    EXPECT_EQ(header["bandwidth"]["shape"], (nlohmann::json{1, 2}));
+    EXPECT_EQ(header["parameterization"]["shape"], (nlohmann::json{2, 2}));
     const std::size_t data = file.size() - payload_bytes(model);
     const auto halves = [&](const char* name) {
         std::vector<float> numbers;
-        for (std::size_t at = text[name]["data_offsets"][0]; at < text[name]["data_offsets"][1]; at += 2)
-            numbers.push_back(from_half(std::uint16_t(std::to_integer<unsigned>(file[data + at]) |
-                                                      std::to_integer<unsigned>(file[data + at + 1]) << 8)));
+        const auto& offsets = header[name]["data_offsets"];
+        for (std::size_t offset = offsets[0]; offset < offsets[1]; offset += 2)
+            numbers.push_back(from_half(uint16_at(file, data + offset)));
         return numbers;
     };
     EXPECT_EQ(halves("coefficient"), (std::vector<float>{1, 2, 0.5f}));

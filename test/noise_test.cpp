@@ -74,7 +74,8 @@ TEST(Noise, DoesNotBiasAFit) {
 /// f at the nodes of MBSDF's layout.
 MbsdfTable table_of(const Evaluate& f) {
     MbsdfTable table;
-    table.polar = 45, table.azimuths = 61;
+    table.polar = 45;
+    table.azimuths = 61;
     std::vector<Vec3f> wl, wv;
     for (std::uint32_t i = 0; i < table.polar; ++i)
         for (std::uint32_t j = 0; j < table.polar; ++j)

@@ -67,7 +67,10 @@ TEST(Observations, AreDenseWhereTheEnergyIs) {
     const auto energy = [&](std::size_t i) { return o->weight[i] * 3 * double(o->f[i].r) * double(o->f[i].r); };
     double all = 0, sum = 0, squares = 0;
     for (std::size_t i = 0; i < fitted(*o); ++i) all += energy(i);
-    for (std::size_t i = 0; i < 4096; ++i) sum += energy(i), squares += energy(i) * energy(i);
+    for (std::size_t i = 0; i < 4096; ++i) {
+        sum += energy(i);
+        squares += energy(i) * energy(i);
+    }
     EXPECT_WITHIN(all, 1, 0.01);
     EXPECT_WITHIN_RELATIVE(sum, 4096.0 / double(fitted(*o)), 0.1);
     EXPECT_GT(sum * sum / squares, 600);

@@ -24,7 +24,9 @@ OpenPbrModel random_openpbr(std::mt19937_64& random) {
 }
 OpenPbrModel diffuse_alone(Rgb colour, float roughness) {
     OpenPbrModel model;
-    model.base_color = colour, model.base_diffuse_roughness = roughness, model.specular_weight = 0;
+    model.base_color = colour;
+    model.base_diffuse_roughness = roughness;
+    model.specular_weight = 0;
     return model;
 }
 Vec3f above(std::mt19937_64& random) {
@@ -41,12 +43,21 @@ OpenPbrModel synthetic_surface(Surface surface) {
     truth.base_color = is_metal ? Rgb{0.9f, 0.6f, 0.3f} : Rgb{0.5f, 0.15f, 0.1f};
     truth.base_metalness = is_metal ? 1.f : 0.f;
     truth.specular_roughness = is_metal ? 0.35f : 0.25f;
-    if (surface == Surface::coated) truth.coat_weight = 0.6f, truth.coat_roughness = 0.1f;
+    if (surface == Surface::coated) {
+        truth.coat_weight = 0.6f;
+        truth.coat_roughness = 0.1f;
+    }
     if (surface == Surface::fuzzy)
         truth.fuzz_weight = 0.7f, truth.fuzz_color = {0.8f, 0.8f, 0.3f}, truth.fuzz_roughness = 0.4f,
         truth.specular_roughness = 0.4f;
-    if (surface == Surface::film) truth.thin_film_weight = 1, truth.thin_film_thickness = 0.35f;
-    if (surface == Surface::brushed) truth.specular_roughness_anisotropy = 0.6f, truth.specular_rotation = 0.4f;
+    if (surface == Surface::film) {
+        truth.thin_film_weight = 1;
+        truth.thin_film_thickness = 0.35f;
+    }
+    if (surface == Surface::brushed) {
+        truth.specular_roughness_anisotropy = 0.6f;
+        truth.specular_rotation = 0.4f;
+    }
     return truth;
 }
 
@@ -91,7 +102,8 @@ TEST(OpenPbr, FacetsAreRougherAlongTheTangent) {
     // depend on azimuth.
     OpenPbrModel white;
     white.base_color = {1, 1, 1}, white.base_metalness = 1, white.specular_roughness = 0.5f;
-    white.specular_roughness_anisotropy = 0.5f, white.specular_rotation = 0.125f;
+    white.specular_roughness_anisotropy = 0.5f;
+    white.specular_rotation = 0.125f;
     const double along = 0.25 * std::sqrt(2 / 1.25), across = along / 2;
     const auto ratio_to_facets = [&](double azimuth, double rotation) {
         const Vec3d w = spherical(0.4, azimuth);
@@ -128,8 +140,11 @@ TEST(OpenPbr, DoesNotReflectMoreThanItReceives) {
             for (const float coat : {0.f, 1.f})
                 for (const float fuzz : {0.f, 1.f}) {
                     OpenPbrModel model = white;
-                    model.base_metalness = metalness, model.specular_roughness = roughness;
-                    model.coat_weight = coat, model.coat_roughness = 0.2f, model.fuzz_weight = fuzz;
+                    model.base_metalness = metalness;
+                    model.specular_roughness = roughness;
+                    model.coat_weight = coat;
+                    model.coat_roughness = 0.2f;
+                    model.fuzz_weight = fuzz;
                     for (const double theta : {0.0, 0.8, 1.2})
                         EXPECT_LT(albedo(evaluator(model), theta, k_pi / 2).g, 1.04)
                             << metalness << ' ' << roughness << ' ' << coat << ' ' << fuzz << ' ' << theta << ' '
@@ -266,7 +281,8 @@ TEST(OpenPbr, FilmColoursMatchTheirEquations) {
 
 TEST(OpenPbr, AFilmOfAirHasNoEffect) {
     OpenPbrModel plain = synthetic_surface(Surface::film), film = plain;
-    plain.thin_film_weight = 0, film.thin_film_ior = 1;
+    plain.thin_film_weight = 0;
+    film.thin_film_ior = 1;
     std::mt19937_64 random(4);
     for (int i = 0; i < 300; ++i) {
         const Vec3f wl = above(random), wv = above(random);

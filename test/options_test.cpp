@@ -139,7 +139,8 @@ class Options : public ProgramTest {
             write_text(folder / name, "\x93NUMPY" + std::string("\1\0", 2) + char(head.size()) + '\0' + head +
                                           std::string(reinterpret_cast<const char*>(texels.data()), 4 * numbers));
         };
-        write_npy("texels.npy", "(2, 60, 3)", texels.size()), write_npy("masks.npy", "(2, 3, 2)", 12);
+        write_npy("texels.npy", "(2, 60, 3)", texels.size());
+        write_npy("masks.npy", "(2, 3, 2)", 12);
         write_text(folder / "mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 2\nf 1 2 3\nf 1 2 4\n");
         write_text(folder / "light.hdr", fmt::format("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n{}",
                                                      std::string("\x80\x40\x40\x81\x20\x40\x80\x80", 8)));

@@ -75,8 +75,10 @@ TEST(Pictures, ASmallSourceShowsTheSameAsADistantLightOfItsPower) {
     const auto images = sphere_pictures(brdfs, lights);
     // The means over the sphere agree: points of the mixture seldom meet so small a source, and then count little.
     double disc_sum = 0, light_sum = 0;
-    for (std::size_t i = 0; i < images[0][0].pixels.size(); ++i)
-        disc_sum += double(images[0][0].pixels[i].g), light_sum += double(images[1][0].pixels[i].g);
+    for (std::size_t i = 0; i < images[0][0].pixels.size(); ++i) {
+        disc_sum += double(images[0][0].pixels[i].g);
+        light_sum += double(images[1][0].pixels[i].g);
+    }
     EXPECT_WITHIN(disc_sum, light_sum, 0.02 * light_sum);
 }
 

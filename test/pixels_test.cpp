@@ -80,7 +80,8 @@ TEST(Pixels, ErrorsAreThoseOfEachPixel) {
     Case one;
     double sum = 0;
     for (std::size_t p = 0; p < k_block + 100; ++p) {
-        one.reference.push_back(random_colour(random)), one.other.push_back(random_colour(random));
+        one.reference.push_back(random_colour(random));
+        one.other.push_back(random_colour(random));
         sum += exact_error(one.reference.back(), one.other.back());
     }
     one.pixels = Pixels(one.reference);
@@ -94,8 +95,10 @@ TEST(Pixels, ErrorsAreThoseOfEachPixel) {
 TEST(Pixels, SlopeIsThatOfTheError) {
     std::mt19937_64 random(3);
     Case one;
-    for (int k = 0; k < 200; ++k)
-        one.reference.push_back(random_colour(random)), one.other.push_back(random_colour(random));
+    for (int k = 0; k < 200; ++k) {
+        one.reference.push_back(random_colour(random));
+        one.other.push_back(random_colour(random));
+    }
     one.pixels = Pixels(one.reference);
     PixelSlopes slopes;
     one.error(slopes);
@@ -107,7 +110,8 @@ TEST(Pixels, SlopeIsThatOfTheError) {
                 slope[c] += 2 * double(slopes.jacobian_of(component)[c][p]) * double(slopes.residual(component)[p]);
             const double step = 1e-5 * at[c];
             Triplet more = at, less = at;
-            more[c] += step, less[c] -= step;
+            more[c] += step;
+            less[c] -= step;
             difference[c] = (exact_error(one.reference[p], more) - exact_error(one.reference[p], less)) / (2 * step);
         }
         const double size = std::hypot(difference[0], difference[1], difference[2]);

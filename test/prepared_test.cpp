@@ -103,7 +103,10 @@ struct PairArrays {
 };
 PairArrays to_arrays(const std::vector<Pair>& pairs) {
     PairArrays arrays;
-    for (const auto& [l, v] : pairs) arrays.wl.push_back(l), arrays.wv.push_back(v);
+    for (const auto& [l, v] : pairs) {
+        arrays.wl.push_back(l);
+        arrays.wv.push_back(v);
+    }
     return arrays;
 }
 
@@ -153,8 +156,10 @@ TEST_F(Prepared, EvaluatorsReturnZeroForInvalidDirections) {
         if (const auto* measured = std::get_if<Measured>(&brdfs[b])) {
             expect_black(signed_evaluator(*measured), "signed arrays");
             for (const auto& [l, v] : pairs) EXPECT_EQ(signed_value(*measured, l, v), Rgb());
-            if (!wavelengths(*measured).empty())
-                expect_dark(spectra(*measured)), expect_dark(signed_spectra(*measured));
+            if (!wavelengths(*measured).empty()) {
+                expect_dark(spectra(*measured));
+                expect_dark(signed_spectra(*measured));
+            }
         } else {
             expect_dark(channels(std::get<Model>(brdfs[b])));
         }
@@ -314,7 +319,10 @@ TEST_P(PreparedOn, BatchesAgreeWithTheModel) {
     for (const bool axial : {true, false}) {
         const PmModel model = random_model(random_, {.axial = axial, .lobes = 11, .form = PmForm::extended});
         std::vector<Vec3f> wl, wv;
-        for (const auto& [l, v] : random_pairs(random_, 100)) wl.push_back(l), wv.push_back(v);
+        for (const auto& [l, v] : random_pairs(random_, 100)) {
+            wl.push_back(l);
+            wv.push_back(v);
+        }
         std::vector<Rgb> model_values(wl.size()), prepared_values(wl.size());
         evaluate(model, wl, wv, model_values);
         evaluator(prepare(Model{model, {}}, CosineProposal{}))(wl, wv, prepared_values);
@@ -417,7 +425,10 @@ TEST_F(Prepared, ALoadedBrdfWithoutContentIsAMisuse) {
 /// A mixture with random weights, a third of them 0, and its density computed by kernel.glsl in double.
 MixtureProposal random_mixture(std::mt19937_64& random, bool is_grain) {
     MixtureProposal proposal;
-    if (is_grain) proposal.cosine = 0.6f, proposal.sine = 0.8f;
+    if (is_grain) {
+        proposal.cosine = 0.6f;
+        proposal.sine = 0.8f;
+    }
     for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
         std::array<float, MixtureProposal::k_lobes> row;
         float sum = 0;

@@ -117,9 +117,18 @@ TEST(Rgl, AnisotropicTablesComputeTheirFormula) {
             Vec3d wl = random_direction(random, 0.01), wv = random_direction(random, 0.01);
             const Rgb f = signed_value(*table, to_float(wl), to_float(wv));
             // Reduced by symmetry: rotated by π, or mirrored at both axes.
-            if (symmetry == 2 && wl.y > 0) wl = mirror(wl), wv = mirror(wv);
-            if (symmetry == 4 && wl.y > 0) wl.y = -wl.y, wv.y = -wv.y;
-            if (symmetry == 4 && wl.x > 0) wl.x = -wl.x, wv.x = -wv.x;
+            if (symmetry == 2 && wl.y > 0) {
+                wl = mirror(wl);
+                wv = mirror(wv);
+            }
+            if (symmetry == 4 && wl.y > 0) {
+                wl.y = -wl.y;
+                wv.y = -wv.y;
+            }
+            if (symmetry == 4 && wl.x > 0) {
+                wl.x = -wl.x;
+                wv.x = -wv.x;
+            }
             const Vec3d h = normalize(wl + wv);
             const double u_h = std::sqrt(std::acos(h.z) * 2 / k_pi), u_l = std::sqrt(std::acos(wl.z) * 2 / k_pi);
             const double t_h = (std::atan2(h.y, h.x) + k_pi) / (2 * k_pi),
@@ -227,7 +236,8 @@ TEST(Rgl, BatchesAgreeWithSingleValues) {
 /// Along the normal, which has no azimuth, the value of a table is the mean over the azimuths near it.
 TEST(Tables, HaveTheirMeanAlongTheNormal) {
     MbsdfTable mbsdf;
-    mbsdf.polar = 4, mbsdf.azimuths = 5;
+    mbsdf.polar = 4;
+    mbsdf.azimuths = 5;
     for (int i = 0; i < 80; ++i) mbsdf.cells.push_back({1, 1 + float(i % 5), 1});
     const RglTable film = bundled_rgl("cc_ibiza_sunset"), turned = *read_rgl(tensor_file(anisotropic_rgl()), "t");
     for (const Measured& measured : {measured_of(film), measured_of(turned), measured_of(mbsdf)}) {

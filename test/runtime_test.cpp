@@ -87,9 +87,15 @@ class RuntimeHeader : public CodeTest {
                 function<std::remove_pointer_t<std::remove_reference_t<decltype(member)>>>(library, versioned.c_str());
         };
         Runtime& runtime = made[compiler + options];
-        named(runtime.memory_needed, "memory_needed"), named(runtime.open, "open"), named(runtime.prepare, "prepare");
-        named(runtime.value, "value"), named(runtime.values, "values"), named(runtime.sample, "sample");
-        named(runtime.pdf, "pdf"), named(runtime.value_pdf, "value_pdf"), named(runtime.albedo, "albedo");
+        named(runtime.memory_needed, "memory_needed");
+        named(runtime.open, "open");
+        named(runtime.prepare, "prepare");
+        named(runtime.value, "value");
+        named(runtime.values, "values");
+        named(runtime.sample, "sample");
+        named(runtime.pdf, "pdf");
+        named(runtime.value_pdf, "value_pdf");
+        named(runtime.albedo, "albedo");
         return runtime;
     }
     static std::vector<Case> cases(const Runtime& runtime) {
@@ -276,7 +282,8 @@ TEST_F(RuntimeHeader, RefusesEveryTruncation) {
 
 TEST_F(RuntimeHeader, CompilesWithoutWarnings) {
     // Some warnings of GCC come with its optimisation. The C library's headers of 32 bits lack one file.
-    fs::create_directory(path("gnu")), write_source("gnu/stubs-32.h", "");
+    fs::create_directory(path("gnu"));
+    write_source("gnu/stubs-32.h", "");
     const std::string x87 = "gcc -m32 -std=c99 -O1 -idirafter /usr/include/x86_64-linux-gnu -I" + path("");
     for (const std::string& command :
          {std::string("gcc -std=c99 -Os"), std::string("gcc -std=c99 -O1 -DSRBF_ONE_LANE"), x87, x87 + " -msse2",

@@ -130,9 +130,12 @@ double variance(const Evaluate& brdf, const Proposal& proposal, double theta) {
 /// Surfaces of facets: two rough lobes, and brushed metal under a coat.
 std::vector<Model> surfaces() {
     OpenPbrModel brushed;
-    brushed.base_metalness = 1, brushed.specular_roughness = 0.5f;
-    brushed.specular_roughness_anisotropy = 0.7f, brushed.specular_rotation = 0.1f;
-    brushed.coat_weight = 1, brushed.coat_roughness = 0.4f;
+    brushed.base_metalness = 1;
+    brushed.specular_roughness = 0.5f;
+    brushed.specular_roughness_anisotropy = 0.7f;
+    brushed.specular_rotation = 0.1f;
+    brushed.coat_weight = 1;
+    brushed.coat_roughness = 0.4f;
     return {{GgxModel{{0.1f, 0.2f, 0.3f}, {{0.1f, {0.04f, 0.04f, 0.04f}, 1}, {0.6f, {0.5f, 0.5f, 0.5f}, 1}}}, {}},
             {brushed, {}}};
 }
@@ -153,7 +156,10 @@ TEST_F(Sampling, SamplesFollowDensitiesThatIntegrateToOne) {
                 observed[wl.z > 0 ? bins.index(half_vector(wl, wv)) : bins.size()] += 1;
             }
             double total_mass = 0;
-            for (double& mass : expected) total_mass += mass, mass *= count;
+            for (double& mass : expected) {
+                total_mass += mass;
+                mass *= count;
+            }
             const double lost = observed.back() / count;
             // The fraction of samples that are lost has its own statistical error. For most it is 0.
             EXPECT_WITHIN(total_mass + lost, 1, 1e-3 + 4 * std::sqrt(lost / count)) << name << ' ' << theta;
@@ -182,7 +188,9 @@ TEST_F(Sampling, WeightsOfFacetsAreBounded) {
             double sum = 0, squares = 0, largest = 0;
             for (int n = 0; n < count; ++n) {
                 const double weight = luminance(sample(models[m], proposal, wv, draw3()).weight);
-                sum += weight, squares += weight * weight, largest = std::max(largest, weight);
+                sum += weight;
+                squares += weight * weight;
+                largest = std::max(largest, weight);
             }
             EXPECT_LT(largest, 10) << m << ' ' << wv.z;
             EXPECT_LT(squares * count / (sum * sum) - 1, 0.3) << m << ' ' << wv.z;
@@ -196,7 +204,8 @@ TEST_F(Sampling, TestDetectsSamplesOfAnotherProposal) {
     MixtureProposal other = material.pm_proposal;
     for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
         auto weight = weights_of(other, node);
-        weight[0] += 0.1f, *std::max_element(weight.begin() + 1, weight.end()) -= 0.1f;
+        weight[0] += 0.1f;
+        *std::max_element(weight.begin() + 1, weight.end()) -= 0.1f;
         other.set_weights(node, weight);
     }
     const Vec3f wv = to_float(spherical(30 * k_degree, 0.7));
@@ -380,7 +389,10 @@ TEST_F(Sampling, GrazingViewsHaveBoundedWeights) {
             for (int i = 0; i < count; ++i) {
                 const LightSample light = sample(rough, proposal, wv, draw3());
                 const double weight = double(light.weight.g);
-                lost += light.pdf == 0, sum += weight, squares += weight * weight, largest = std::max(largest, weight);
+                lost += light.pdf == 0;
+                sum += weight;
+                squares += weight * weight;
+                largest = std::max(largest, weight);
             }
             EXPECT_LT(squares * count / (sum * sum) - 1, 0.25) << roughness << ' ' << z;
             EXPECT_LT(largest, 50 * sum / count) << roughness << ' ' << z;
@@ -406,7 +418,9 @@ TEST_F(Sampling, LobesStretchAlongTheGrain) {
             for (int i = 0; i < count; ++i) {
                 const double x = double(sample(brushed, stretched, wv, draw3()).weight.g),
                              y = double(sample(brushed, isotropic, wv, draw3()).weight.g);
-                sum += x, squares += x * x, isotropic_squares += y * y;
+                sum += x;
+                squares += x * x;
+                isotropic_squares += y * y;
             }
             EXPECT_LT(squares * count / (sum * sum) - 1, theta > 50 ? 0.5 : 0.15) << theta << ' ' << phi;
             EXPECT_GT(isotropic_squares * count / (sum * sum) - 1, 0.7) << theta << ' ' << phi;
@@ -416,7 +430,10 @@ TEST_F(Sampling, LobesStretchAlongTheGrain) {
                                     bins.integrals([&](Vec3d h) { return half_vector_density(proposal, h, wv); }, 64),
                                 observed(bins.size() + 1);
             double total_mass = 0;
-            for (double& mass : expected) total_mass += mass, mass *= count;
+            for (double& mass : expected) {
+                total_mass += mass;
+                mass *= count;
+            }
             for (int i = 0; i < count; ++i) {
                 const Vec3f wl = sample(stretched, wv, draw3());
                 observed[wl.z > 0 ? bins.index(half_vector(wl, wv)) : bins.size()] += 1;

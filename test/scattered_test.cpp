@@ -704,9 +704,11 @@ TEST(ScatteredSamples, InterpolationKeepsConstantsAndStaysWithinTheSamples) {
                 for (ScatteredSamples* s : {&constant, &any}) s->wl.push_back(wl), s->wv.push_back(wv);
                 constant.colour.push_back({0.1f, 0.2f, 0.3f}), any.colour.push_back({f, f, f});
                 const auto add = [](auto& range, float x) { range = {std::min(range[0], x), std::max(range[1], x)}; };
-                add(f_range, f), add(fa_range, f * wl.z * wv.z);
+                add(f_range, f);
+                add(fa_range, f * wl.z * wv.z);
             }
-            make_index(constant), make_index(any);
+            make_index(constant);
+            make_index(any);
             for (int i = 0; i < 100; ++i) {
                 const Vec3f wl = to_float(random_direction(random, 1e-4)),
                             wv = to_float(random_direction(random, 1e-4));

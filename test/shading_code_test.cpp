@@ -44,7 +44,8 @@ const std::vector<Model>& models() {
         models.push_back({rounded(GgxModel{{0.1f, 0.2f, 0.3f}, {{0.3f, {0.04f, 0.05f, 0.06f}, 1}}}), {}});
         models.push_back({rounded(GgxModel{{}, {{0.1f, {0.9f, 0.5f, 0.2f}, 1}, {0.5f, {0, 0.03f, 0.2f}, 0.4f}}}), {}});
         OpenPbrModel film{.base_metalness = 0.7f, .thin_film_weight = 0.8f};
-        film.specular_roughness_anisotropy = 0.6f, film.specular_rotation = 0.3f;
+        film.specular_roughness_anisotropy = 0.6f;
+        film.specular_rotation = 0.3f;
         models.push_back({rounded(film), {}});
         models.push_back(
             {rounded(OpenPbrModel{.base_color = {0.5f, 0.3f, 0.1f}, .coat_weight = 0.5f, .fuzz_weight = 0.3f}), {}});
@@ -96,15 +97,6 @@ std::string code(CodeLanguage language, bool sampling = true) {
 const std::string& code_in_c() {
     static const std::string text = code(CodeLanguage::c);
     return text;
-}
-
-/// The exported code of one model, with sampling and albedo. All models together have too many constants for some
-/// drivers.
-std::string code_of(std::size_t m, CodeLanguage language) {
-    const NamedModel model{name_of(m), &models()[m]};
-    const auto text =
-        shading_code(std::span(&model, 1), "one", {.language = language, .sampling = true, .albedo = true});
-    return text ? *text : (ADD_FAILURE() << message(text.error()), "");
 }
 
 /// The input of one evaluation: two directions and three uniform numbers.
@@ -334,6 +326,15 @@ using std::acos;
 }
 
 #ifdef SRBF_RASTER
+/// The exported code of one model, with sampling and albedo. All models together have too many constants for some
+/// drivers.
+std::string code_of(std::size_t m, CodeLanguage language) {
+    const NamedModel model{name_of(m), &models()[m]};
+    const auto text =
+        shading_code(std::span(&model, 1), "one", {.language = language, .sampling = true, .albedo = true});
+    return text ? *text : (ADD_FAILURE() << message(text.error()), "");
+}
+
 /// Runs one OpenGL 4.5 compute shader for each model. The questions are an array of vec4 at binding 0, the answers
 /// at binding 1.
 Answers run_shaders(const std::vector<std::string>& shaders) {

@@ -142,7 +142,8 @@ TEST(Su, PlainWeightsArePositiveAndSumToOne) {
             float smallest = 1e9f, largest = 0;
             for (int k = 0; k < model.neighbours; ++k) {
                 const float beta = model.coefficient[nearest[std::size_t(k)]].r;
-                smallest = std::min(smallest, beta), largest = std::max(largest, beta);
+                smallest = std::min(smallest, beta);
+                largest = std::max(largest, beta);
             }
             const float f = value(model, {0, 0, 1}, wv).r;
             EXPECT_TRUE(f >= smallest - 1e-6f && f <= largest + 1e-6f);

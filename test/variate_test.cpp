@@ -256,7 +256,8 @@ TEST(Variate, ExtremeStoredNumbersStayFinite) {
                                              {0x1p-24f, 0x1p-24f},
                                              {-0x1p-24f, 0x1p-24f}}) {
                 PmModel model;
-                model.lobes = k_max_lobes, model.variates = k_max_variates;
+                model.lobes = k_max_lobes;
+                model.variates = k_max_variates;
                 model.coefficient.assign(k_max_lobes, {k_half_max, k_half_max, k_half_max});
                 model.log_scale.assign(k_max_lobes, scale);
                 model.centre.assign(k_max_lobes * k_max_variates, {0, 0, -1});

@@ -42,14 +42,17 @@ std::map<std::string, Model> current_models() {
     su.index = index_texture(su, DirectionMap::cube, 2);
     all["su_rotated_cube"] = {su, {}};
     su.index = index_texture(su, DirectionMap::parabolic, 2);
-    su.interpolation = SuInterpolation::plain, su.neighbours = 3, su.discretise = Discretise::light;
+    su.interpolation = SuInterpolation::plain;
+    su.neighbours = 3;
+    su.discretise = Discretise::light;
     all["su_parabolic_plain_light"] = {su, {}};
     all["ggx_one"] = {GgxModel{{0.1f, 0.2f, 0.3f}, {{0.4f, {0.5f, 0.3f, 0.1f}, 1}}}, {}};
     all["ggx_two"] = {GgxModel{{0.1f, 0.2f, 0.3f}, {{0.4f, {0.5f, 0.3f, 0.1f}, 1}, {0.1f, {0.2f, 0.2f, 0.2f}, 0.5f}}},
                       {}};
     all["openpbr"] = {OpenPbrModel{.base_color = {0.5f, 0.3f, 0.1f}, .coat_weight = 0.5f, .fuzz_weight = 0.25f}, {}};
     OpenPbrModel brushed{.base_color = {0.9f, 0.6f, 0.3f}, .base_metalness = 1, .specular_roughness = 0.4f};
-    brushed.specular_roughness_anisotropy = 0.7f, brushed.specular_rotation = 0.1f;
+    brushed.specular_roughness_anisotropy = 0.7f;
+    brushed.specular_rotation = 0.1f;
     all["openpbr_brushed"] = {rounded(brushed), {}};
     all["openpbr_film"] = {rounded(OpenPbrModel{.base_metalness = 0.5f, .thin_film_weight = 0.75f}), {}};
     all["bsdf"] = {lobe_bsdf_with_beams(), {}};

@@ -70,7 +70,8 @@ void expect_gradient(ViewProblem& problem, const Eigen::VectorXd& x) {
     for (Eigen::Index i = 0; i < x.size(); ++i) {
         constexpr double step = 1e-3;
         Eigen::VectorXd more = x, less = x;
-        more[i] += step, less[i] -= step;
+        more[i] += step;
+        less[i] -= step;
         const double difference = (problem.loss(more) - problem.loss(less)) / (2 * step);
         EXPECT_WITHIN(2 * g[i], difference, 0.01 * 2 * g.norm()) << "variable " << i;
     }

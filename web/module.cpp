@@ -148,7 +148,9 @@ Result<ReportedFit> fit_and_report(int number, const Measured& measured, const F
         for (const PartFit& part : sides->parts)
             for (const Hemispherical& sum : part.hemispherical)
                 worst = std::max(worst, std::abs(sum.fitted - sum.measured));
-        report["twoSided"] = true, report["energyError"] = worst, report["seconds"] = sides->fit_seconds;
+        report["twoSided"] = true;
+        report["energyError"] = worst;
+        report["seconds"] = sides->fit_seconds;
         return ReportedFit{std::move(sides->model), std::move(report)};
     }
     Fitter& fitter = fitter_of(number, measured);
@@ -157,7 +159,8 @@ Result<ReportedFit> fit_and_report(int number, const Measured& measured, const F
     if (const auto done = fitter.measure(*outcome, request, progress.subrange(k_fit_fraction, 1)); !done)
         return done.error();
     Json report = summary_of(measured, outcome->model);
-    report["twoSided"] = false, report["seconds"] = outcome->fit_seconds;
+    report["twoSided"] = false;
+    report["seconds"] = outcome->fit_seconds;
     add_appearance(report, "seen", headline_errors(*outcome->errors));
     report["heldout"] = outcome->errors->heldout.*measure_of(request.objective);
     report["headline"] = headline(*outcome->errors);
@@ -265,13 +268,13 @@ SRBF_EXPORT(edit) int edit(int number, const char* text, std::size_t size) {
     const LoadedFile* subject = subject_of(number);
     const Model* model = model_of(subject);
     if (!model) return fail(unknown("that of a model"));
-    double roughen = 1, saturate = 1, hue = 0;
+    std::map<std::string, double> amount{{"roughen", 1}, {"saturate", 1}, {"hue", 0}};
     std::optional<Tint> tint;
     const Json json = Json::parse(text, text + size, nullptr, false);
     bool is_read = json.is_object();
     for (const auto& [key, value] : json.items()) {
-        if ((key == "roughen" || key == "saturate" || key == "hue") && value.is_number()) {
-            (key == "roughen" ? roughen : key == "saturate" ? saturate : hue) = value.get<double>();
+        if (amount.contains(key) && value.is_number()) {
+            amount[key] = value.get<double>();
         } else if ((key == "highlight" || key == "body") && value.is_array() && value.size() == 3 &&
                    std::ranges::all_of(value, [](const Json& channel) { return channel.is_number(); })) {
             if (!tint) tint.emplace();
@@ -285,10 +288,10 @@ SRBF_EXPORT(edit) int edit(int number, const char* text, std::size_t size) {
         return fail(
             invalid("edits", "JSON", "an object with roughen, highlight, body, saturate, hue", text_of(text, size)));
     std::vector<Edit> edits;
-    if (roughen != 1) edits.emplace_back(Roughen{roughen});
+    if (amount["roughen"] != 1) edits.emplace_back(Roughen{amount["roughen"]});
     if (tint) edits.emplace_back(*tint);
-    if (saturate != 1) edits.emplace_back(Saturate{saturate});
-    if (hue != 0) edits.emplace_back(TurnHue{hue});
+    if (amount["saturate"] != 1) edits.emplace_back(Saturate{amount["saturate"]});
+    if (amount["hue"] != 0) edits.emplace_back(TurnHue{amount["hue"]});
     auto result = edit_model(*model, edits, {.progress = host_progress()});
     if (!result) return fail(result.error());
     const std::string path = stem_of(subject->path) + "_edited.srbf";
@@ -368,7 +371,8 @@ SRBF_EXPORT(table) int table(int number, const char* file, std::size_t size) {
     auto bytes = table_file(subject->content, *format, {.description = stem_of(subject->path)});
     if (bytes) return set_result(bytes);
     Error error = bytes.error();
-    error.source = subject->path, error.expected += fmt::format(", as {} tables are", format->name);
+    error.source = subject->path;
+    error.expected += fmt::format(", as {} tables are", format->name);
     return fail(error);
 }
 

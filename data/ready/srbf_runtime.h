@@ -821,43 +821,44 @@ SRBF_FN float srbf_normal_reflectance(float ior) {
     return share * share;
 }
 SRBF_FN srbf_FacetAlbedo srbf_facet_albedo(float x, float y) {
-    srbf_FacetAlbedo albedo_;
-    albedo_.scale = srbf_clamped_to_unit(srbf_polynomial(x, srbf_polynomial(y, 0.1003f, 9.748f, -8.245f),
+    srbf_FacetAlbedo facet;
+    facet.scale = srbf_clamped_to_unit(srbf_polynomial(x, srbf_polynomial(y, 0.1003f, 9.748f, -8.245f),
             srbf_polynomial(y, -0.6303f, -2.038f, 19.99f), srbf_polynomial(y, 29.34f, -26.44f,
             -5.448f)) / srbf_polynomial(x, srbf_polynomial(y, 1.0f, 8.263f, -7.507f), srbf_polynomial(y, -1.765f,
             11.53f, 15.86f), srbf_polynomial(y, 28.96f, -36.11f, 33.37f)));
-    albedo_.bias = srbf_clamped_to_unit(srbf_polynomial(x, srbf_polynomial(y, 0.9345f, 2.229f, -0.7684f),
+    facet.bias = srbf_clamped_to_unit(srbf_polynomial(x, srbf_polynomial(y, 0.9345f, 2.229f, -0.7684f),
             srbf_polynomial(y, -2.323f, -3.748f, 0.2913f), srbf_polynomial(y, 1.424f, 1.436f,
             0.6286f)) / srbf_polynomial(x, srbf_polynomial(y, 1.0f, 15.94f, 41.26f), srbf_polynomial(y, 0.2281f,
             -55.83f, 300.2f), srbf_polynomial(y, 13.08f, 54.9f, -285.1f)));
-    return albedo_;
+    return facet;
 }
-SRBF_FN float srbf_multiple_scattering(srbf_FacetAlbedo albedo_) {
-    float whole = srbf_max(albedo_.scale + albedo_.bias, 0.1f);
+SRBF_FN float srbf_multiple_scattering(srbf_FacetAlbedo facet) {
+    float whole = srbf_max(facet.scale + facet.bias, 0.1f);
     return srbf_max(1.0f - whole, 0.0f) / whole;
 }
-SRBF_FN float srbf_lobe_albedo(srbf_FacetAlbedo albedo_, float f0) {
-    return srbf_clamped_to_unit((f0 * albedo_.scale + albedo_.bias * srbf_clamped_to_unit(50.0f * f0)) * (1.0f + f0 *
-            srbf_multiple_scattering(albedo_)));
+SRBF_FN float srbf_lobe_albedo(srbf_FacetAlbedo facet, float f0) {
+    return srbf_clamped_to_unit((f0 * facet.scale + facet.bias * srbf_clamped_to_unit(50.0f * f0)) * (1.0f + f0 *
+            srbf_multiple_scattering(facet)));
 }
 SRBF_FN float srbf_eon_share(float cosine, float r) {
     float m = 1.0f - cosine;
     float g = m * (0.0571085289f + m * (0.491881867f + m * (-0.332181442f + m * 0.0714429953f)));
     return (1.0f + r * g) / (1.0f + 0.28779341f * r);
 }
-SRBF_FN float srbf_eon_again(float colour, float mean) {
+SRBF_FN float srbf_eon_multiple_colour(float colour, float mean) {
     return colour * colour * mean / (1.0f - colour * (1.0f - mean));
 }
 SRBF_FN srbf_vec3 srbf_eon_value(srbf_vec3 colour, float r, srbf_vec3 wl, srbf_vec3 wv) {
     float s = wl.x * wv.x + wl.y * wv.y;
-    float of_first = 1.0f / (1.0f + 0.28779341f * r);
-    float single = of_first * (1.0f + r * (0.0f < s ? s / srbf_max(srbf_max(wl.z, wv.z), 1.0e-6f) : s));
-    float mean = of_first * (1.0f + 0.07248821f * r);
-    float apart = srbf_max(1.0f - srbf_eon_share(wl.z, r), 1.0e-6f) * srbf_max(1.0f - srbf_eon_share(wv.z, r),
+    float single_scale = 1.0f / (1.0f + 0.28779341f * r);
+    float single = single_scale * (1.0f + r * (0.0f < s ? s / srbf_max(srbf_max(wl.z, wv.z), 1.0e-6f) : s));
+    float mean = single_scale * (1.0f + 0.07248821f * r);
+    float multiple_scale = srbf_max(1.0f - srbf_eon_share(wl.z, r), 1.0e-6f) * srbf_max(1.0f - srbf_eon_share(wv.z, r),
             1.0e-6f) / srbf_max(1.0f - mean, 1.0e-6f);
-    srbf_vec3 again = srbf_vec3_of(srbf_eon_again(colour.x, mean), srbf_eon_again(colour.y, mean),
-            srbf_eon_again(colour.z, mean));
-    return srbf_scale(2.0f / 6.283185307179586f, srbf_add(srbf_scale(single, colour), srbf_scale(apart, again)));
+    srbf_vec3 multiple = srbf_vec3_of(srbf_eon_multiple_colour(colour.x, mean), srbf_eon_multiple_colour(colour.y,
+            mean), srbf_eon_multiple_colour(colour.z, mean));
+    return srbf_scale(2.0f / 6.283185307179586f, srbf_add(srbf_scale(single, colour), srbf_scale(multiple_scale,
+            multiple)));
 }
 SRBF_FN float srbf_fuzz_albedo(float x, float y) {
     float s = y * (0.0206607f + 1.58491f * y) / (0.0379424f + y * (1.32227f + y));
@@ -927,8 +928,8 @@ SRBF_FN srbf_FilmBase srbf_film_base(float f0, float ior, float schlick) {
 SRBF_FN float srbf_film_order(srbf_FilmBase base, float above, float first, float second) {
     float both = srbf_min(srbf_max(above * base.reflectance, 1.0e-5f), 0.9999f);
     float through = 1.0f - above;
-    float again = through * through * base.reflectance / (1.0f - both);
-    return srbf_max(above + again + 2.0f * (again - through) * (srbf_sqrt(both) * first + both * second), 0.0f);
+    float returned = through * through * base.reflectance / (1.0f - both);
+    return srbf_max(above + returned + 2.0f * (returned - through) * (srbf_sqrt(both) * first + both * second), 0.0f);
 }
 SRBF_FN float srbf_fifth_power(float x) { return x * x * (x * x) * x; }
 SRBF_FN srbf_vec3 srbf_film_reflectance(srbf_OpenPbrFilm film, srbf_vec3 f0, float c) {
@@ -989,22 +990,22 @@ SRBF_FN srbf_OpenPbrFacets srbf_openpbr_film_facets(srbf_OpenPbrSurface material
     facets.metal_f0 = srbf_interpolated(f0, srbf_film_reflectance(film, f0, 1.0f), film.weight);
     return facets;
 }
-SRBF_FN srbf_vec3 srbf_multiple_scattering_by(srbf_vec3 f0, float again) {
-    return srbf_vec3_of(1.0f + f0.x * again, 1.0f + f0.y * again, 1.0f + f0.z * again);
+SRBF_FN srbf_vec3 srbf_multiple_scattering_by(srbf_vec3 f0, float factor) {
+    return srbf_vec3_of(1.0f + f0.x * factor, 1.0f + f0.y * factor, 1.0f + f0.z * factor);
 }
 SRBF_FN srbf_vec3 srbf_openpbr_base_value(srbf_OpenPbrSurface material, srbf_OpenPbrBase base,
         srbf_OpenPbrFacets facets, float density, srbf_vec3 wl, srbf_vec3 wv) {
     srbf_FacetAlbedo whole = srbf_facet_albedo(wv.z, base.alpha);
-    float again = srbf_multiple_scattering(whole);
+    float multiple = srbf_multiple_scattering(whole);
     srbf_vec3 f0 = facets.dielectric_f0;
     srbf_vec3 dielectric = srbf_scale(density, srbf_product_of(facets.dielectric, srbf_multiple_scattering_by(f0,
-            again)));
+            multiple)));
     srbf_vec3 through = srbf_vec3_of(1.0f - srbf_lobe_albedo(whole, f0.x), 1.0f - srbf_lobe_albedo(whole, f0.y),
             1.0f - srbf_lobe_albedo(whole, f0.z));
     srbf_vec3 glossy = srbf_add(srbf_product_of(dielectric, material.specular_color), srbf_product_of(through,
             srbf_eon_value(material.base_color, material.base_diffuse_roughness, wl, wv)));
     srbf_vec3 metal = srbf_scale(material.specular_weight * density, srbf_product_of(facets.metal,
-            srbf_multiple_scattering_by(facets.metal_f0, again)));
+            srbf_multiple_scattering_by(facets.metal_f0, multiple)));
     return srbf_interpolated(glossy, metal, material.base_metalness);
 }
 SRBF_FN float srbf_darkened(float colour, float k, float strength) {
@@ -1977,8 +1978,10 @@ static srbf_chances srbf_chances_of(const srbf_brdf* brdf, srbf_vec3 v, int is_b
         sum += chances.chance[2 * k] + chances.chance[2 * k + 1];
     }
     for (k = 0; k < 4; ++k) {
-        const float least = k % 2 == 0 && chances.part[k / 2]->model ? sum > 0.0f ? 1.0e-3f * sum : 1.0f : 0.0f;
-        total += chances.chance[k] = srbf_max(chances.chance[k], least);
+        const float smallest = sum > 0.0f ? 1.0e-3f * sum : 1.0f;
+        const float min = k % 2 == 0 && chances.part[k / 2]->model ? smallest : 0.0f;
+        chances.chance[k] = srbf_max(chances.chance[k], min);
+        total += chances.chance[k];
     }
     for (k = 0; k < 4 && total > 0.0f; ++k) chances.chance[k] /= total;
     return chances;

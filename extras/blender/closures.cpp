@@ -23,7 +23,8 @@ struct SmithLambda {
         value = above / below;
         const double by_x = -0.5 * v * v * v * (0.792 * v - 1.259 - value * (4.362 * v + 3.535)) / below;
         by_angle = -2 * tan * (along + x) * by_x;
-        by_along = tan * tan * by_x, by_across = side * side * by_x;
+        by_along = tan * tan * by_x;
+        by_across = side * side * by_x;
     }
 };
 

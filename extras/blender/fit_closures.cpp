@@ -63,7 +63,8 @@ class ClosureProblem {
     void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
         progress_.report(k_closure_stage, double(linearised_++) / linearisations_);
         const auto n = x.size(), width = Eigen::Index(layout_.width());
-        H = Eigen::MatrixXd::Zero(n, n), g = Eigen::VectorXd::Zero(n);
+        H = Eigen::MatrixXd::Zero(n, n);
+        g = Eigen::VectorXd::Zero(n);
         std::vector<Eigen::MatrixXd> squares(views_.size());
         std::vector<Eigen::VectorXd> slopes(views_.size());
         parallel_for(views_.size(), threads_, [&](std::size_t v) { linearise_view(views_[v], squares[v], slopes[v]); });
@@ -181,7 +182,8 @@ class ClosureProblem {
         for (std::size_t i = 0; i < layout_.knots; ++i)
             for (std::size_t k = 0; k < layout_.terms; ++k) {
                 const auto first = Eigen::Index(i * layout_.width() + 6 * k);
-                all[first] = tilt, all[first + 1] = all[first + 2] = alpha;
+                all[first] = tilt;
+                all[first + 1] = all[first + 2] = alpha;
             }
         return all;
     }
@@ -288,7 +290,8 @@ class ClosureProblem {
             slopes.block(i, i, 3, 3).setZero();
             slopes(i, i) = 1 + row[i] * row[i];
             slopes(i + 1, i + 1) = slopes(i + 1, i + 2) = row[i + 1] / 4;
-            slopes(i + 2, i + 2) = (1 - std::abs(row[i + 2])) / 2, slopes(i + 2, i + 1) = -slopes(i + 2, i + 2);
+            slopes(i + 2, i + 2) = (1 - std::abs(row[i + 2])) / 2;
+            slopes(i + 2, i + 1) = -slopes(i + 2, i + 2);
         }
         return slopes;
     }
@@ -524,7 +527,10 @@ Result<ClosureSum> fit_closures(const Evaluate& f, const ClosureFitOptions& opti
         problem.set_linear_from(1);
         const double loss =
             levenberg_marquardt(problem, x, {.max_iterations = steps, .decrease_tolerance = k_tolerance}).loss;
-        if (loss < min) min = loss, best = problem.sum(x);  // a further term can raise the loss
+        if (loss < min) {  // a further term can raise the loss
+            min = loss;
+            best = problem.sum(x);
+        }
     }
     limit_albedos(best, options.threads);
     return best;

@@ -367,7 +367,10 @@ void join_colours(std::vector<NamedXmlBlocks>& bands) {
     std::ranges::sort(sorted);
     std::vector<float> wavelengths;
     std::vector<NamedXmlBlocks*> sources;
-    for (const auto& [nm, band] : sorted) wavelengths.push_back(nm), sources.push_back(band);
+    for (const auto& [nm, band] : sorted) {
+        wavelengths.push_back(nm);
+        sources.push_back(band);
+    }
     if (!band_named(bands, k_colours) && are_wavelengths(wavelengths) && has_colours(wavelengths))
         join_matrices(bands, sources, rgb_weights(wavelengths), std::string(k_colours), true);
 }

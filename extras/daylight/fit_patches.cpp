@@ -38,7 +38,7 @@ struct Size {
 constexpr Size k_sizes[] = {{1, 1}, {1, 2}, {2, 2}, {3, 2}, {4, 3}, {6, 3}, {8, 4}};
 constexpr double k_good_error = 1e-3, k_good_fraction = 0.01, k_good_sum = 0.001;
 /// If the error is this many times the goal, skip directly to the largest size.
-constexpr double k_far = 100;
+constexpr double k_far_from_goal = 100;
 /// The least width of a lobe, as a fraction of the width of the narrowest ring of patches.
 constexpr double k_finest = 0.5;
 
@@ -121,7 +121,8 @@ class PatchFits {
     /// Fits this size in several rounds and keeps the best fit. A search that does not improve on a smaller size is
     /// repeated with other random numbers.
     Result<Done> fit_size(PmFitOptions options, const Size& size, const ProgressToken& progress) {
-        options.lobes = size.lobes, options.variates = size.variates;
+        options.lobes = size.lobes;
+        options.variates = size.variates;
         std::vector<Rgb> values = means_;
         std::optional<PmModel> initial_lobes;
         for (int round = 0; round < k_max_rounds; ++round) {
@@ -136,11 +137,15 @@ class PatchFits {
             exchange(outcome->model);
             const Evaluate fitted = evaluator(outcome->model);
             const double error = measured_.error_ratio(fitted), previous_error = best_ ? error_ : 2 * error;
-            if (error < previous_error) best_ = *outcome, error_ = error;
+            if (error < previous_error) {
+                best_ = *outcome;
+                error_ = error;
+            }
             if (initial_lobes && !(error < (1 - k_min_gain_of_round) * previous_error)) break;
-            if (error < previous_error)
-                initial_lobes = std::move(lobes), values = expected_values(fitted);
-            else
+            if (error < previous_error) {
+                initial_lobes = std::move(lobes);
+                values = expected_values(fitted);
+            } else
                 ++options.seed;
         }
         return Done{};
@@ -157,7 +162,8 @@ class PatchFits {
     Observations observations_of(const std::vector<Rgb>& values) const {
         Observations observations;
         observations.objective = Objective::cosine;
-        observations.wl = points_.wv, observations.wv = points_.wl,
+        observations.wl = points_.wv;
+        observations.wv = points_.wl;
         observations.f = values;  // exchanged, as in `hemispheres`
         for (std::size_t k = 0; k < values.size(); ++k)
             observations.weight.push_back(points_.weight[k / points_.points] / double(points_.points));
@@ -279,7 +285,7 @@ Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& reques
             fits.fit_size(options, sizes[i], progress.subrange(double(i) / size_count, double(i + 1) / size_count));
         if (!done) return done.error();
         if (fits.is_enough()) break;
-        if (fits.error() > k_far * k_good_error && i + 2 < sizes.size())
+        if (fits.error() > k_far_from_goal * k_good_error && i + 2 < sizes.size())
             i = sizes.size() - 2;  // continue with the largest
     }
     FitOutcome outcome = fits.best();

@@ -1,5 +1,7 @@
 // Fuzz targets.
 #pragma once
+#include <algorithm>
+
 #include "srbf/daylight.h"
 
 namespace SRBF_NAMESPACE {

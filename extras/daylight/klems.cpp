@@ -114,8 +114,10 @@ std::vector<PatchClass> patch_classes(const KlemsTable& table, bool isotropic) {
 bool is_isotropic(const KlemsTable& table) {
     constexpr double max_ratio = 1e-4;
     double energy = 0, variance = 0;
-    for (const PatchClass& pair_class : patch_classes(table, true))
-        energy += pair_class.energy, variance += pair_class.variance;
+    for (const PatchClass& pair_class : patch_classes(table, true)) {
+        energy += pair_class.energy;
+        variance += pair_class.variance;
+    }
     return variance <= max_ratio * energy;
 }
 
@@ -188,8 +190,9 @@ std::vector<bool> beam_patches(const KlemsTable& table) {
         Peak ring_sum;
         for (std::size_t i = in.first_of(ring); i < in.first_of(ring + 1); ++i) {
             peaks.push_back(peak_of(table, i));
-            ring_sum.value += peaks.back().value, ring_sum.largest_around += peaks.back().largest_around,
-                ring_sum.typical += peaks.back().typical;
+            ring_sum.value += peaks.back().value;
+            ring_sum.largest_around += peaks.back().largest_around;
+            ring_sum.typical += peaks.back().typical;
         }
         for (const Peak& peak : peaks) is_beam.push_back(ring_sum.is_beam() || peak.is_beam());
     }

@@ -10,9 +10,16 @@ namespace SRBF_NAMESPACE {
 /// The name of a band in colour, which the file has as R, G and B.
 constexpr std::string_view k_colours = "RGB";
 
-template <typename Each> void members(AngleBasis& value, const Each& each) { each(value.name), each(value.rings); }
+template <typename Each> void members(AngleBasis& value, const Each& each) {
+    each(value.name);
+    each(value.rings);
+}
 template <typename Each> void members(KlemsTable& value, const Each& each) {
-    each(value.incident), each(value.outgoing), each(value.cells), each(value.beam), each(value.masked);
+    each(value.incident);
+    each(value.outgoing);
+    each(value.cells);
+    each(value.beam);
+    each(value.masked);
 }
 
 std::vector<TableLine> lines_about(const KlemsTable& table);

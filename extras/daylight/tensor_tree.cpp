@@ -103,14 +103,19 @@ std::array<double, 2> shirley_square(double x, double y) {
     const double r = elementary::hypot(x, y);
     double phi = elementary::atan2(y, x), a, b;
     if (phi < -eighth) phi += 2 * k_pi;
-    if (phi < eighth)
-        a = r, b = phi * a / eighth;
-    else if (phi < 3 * eighth)
-        b = r, a = -(phi - 2 * eighth) * b / eighth;
-    else if (phi < 5 * eighth)
-        a = -r, b = (phi - 4 * eighth) * a / eighth;
-    else
-        b = -r, a = -(phi - 6 * eighth) * b / eighth;
+    if (phi < eighth) {
+        a = r;
+        b = phi * a / eighth;
+    } else if (phi < 3 * eighth) {
+        b = r;
+        a = -(phi - 2 * eighth) * b / eighth;
+    } else if (phi < 5 * eighth) {
+        a = -r;
+        b = (phi - 4 * eighth) * a / eighth;
+    } else {
+        b = -r;
+        a = -(phi - 6 * eighth) * b / eighth;
+    }
     return {(a + 1) / 2, (b + 1) / 2};
 }
 
@@ -159,7 +164,8 @@ float TensorTree::at(std::array<double, 4> x) const {
             double& coordinate = x[std::size_t(i)];
             coordinate *= 2;
             if (coordinate < 1) continue;
-            coordinate -= 1, child |= 1u << i;
+            coordinate -= 1;
+            child |= 1u << i;
         }
         node = nodes[first_of(node) + child];
     }

@@ -8,9 +8,15 @@
 namespace SRBF_NAMESPACE {
 
 template <typename Each> void members(TensorTree& value, const Each& each) {
-    each(value.rank), each(value.root), each(value.nodes), each(value.leaves);
+    each(value.rank);
+    each(value.root);
+    each(value.nodes);
+    each(value.leaves);
 }
-template <typename Each> void members(TreeTable& value, const Each& each) { each(value.y), each(value.chromaticity); }
+template <typename Each> void members(TreeTable& value, const Each& each) {
+    each(value.y);
+    each(value.chromaticity);
+}
 
 std::vector<TableLine> lines_about(const TreeTable& table);
 

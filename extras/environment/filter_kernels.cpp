@@ -19,8 +19,10 @@ std::vector<KernelSample> sample_kernel(const LevelKernel& kernel) {
     for (int i = 0; i < k_rings; ++i) {
         const double c = kernel.cosine((i + 0.5) / k_rings);
         if (!(c > 0)) continue;
-        for (int j = 0; j < k_per_ring; ++j)
-            samples.push_back(direction_at(c, k_pi * (j + 0.5) / k_per_ring, c)), sum += c;
+        for (int j = 0; j < k_per_ring; ++j) {
+            samples.push_back(direction_at(c, k_pi * (j + 0.5) / k_per_ring, c));
+            sum += c;
+        }
     }
     for (KernelSample& sample : samples) sample.weight /= sum;
     return samples;

@@ -65,7 +65,12 @@ std::vector<ReflectedBlock> blocks_of(const std::vector<Reflected>& reflected) {
         const std::size_t j = i % n;
         densities[j] = k_view_samples * density;
         const Vec3d part = 0.5 * densities[j] * weight;
-        x[j] = w.x, y[j] = w.y, z[j] = w.z, r[j] = part.x, g[j] = part.y, b[j] = part.z;
+        x[j] = w.x;
+        y[j] = w.y;
+        z[j] = w.z;
+        r[j] = part.x;
+        g[j] = part.y;
+        b[j] = part.z;
     }
     return blocks;
 }
@@ -83,7 +88,9 @@ Vec3d radiance_under(const KernelLight& light, const AveragedBrdf& brdf, const V
             const double along = x[j] * c.x + z[j] * c.z, across = y[j] * c.y;
             const double balanced =
                 kernel.over_densities(along + across, along - across, densities[j], k_light_samples);
-            sums.r[j] += balanced * r[j], sums.g[j] += balanced * g[j], sums.b[j] += balanced * b[j];
+            sums.r[j] += balanced * r[j];
+            sums.g[j] += balanced * g[j];
+            sums.b[j] += balanced * b[j];
         }
     Vec3d sum{};
     for (std::size_t j = 0; j < ReflectedBlock::k_size; ++j) sum = sum + Vec3d{sums.r[j], sums.g[j], sums.b[j]};

@@ -77,7 +77,8 @@ class TrackProblem {
         return sum;
     }
     void linearise(const VectorXd& x, MatrixXd& H, VectorXd& g) const {
-        H = smoothness_.asDiagonal(), g = smoothness_.cwiseProduct(x - near_);
+        H = smoothness_.asDiagonal();
+        g = smoothness_.cwiseProduct(x - near_);
         const auto n = Eigen::Index(view_.lights.size());
         for (std::size_t c = 0; c < 3; ++c) {
             const auto& [A, gram, weights, error] = channels_[c];
@@ -243,13 +244,15 @@ MatrixXd fractions_of(const std::vector<LitView>& views, const BlurredKernels& k
         for (int c = 0; c < 3; ++c) {
             const auto quadratic = problem.by_fractions(c);
             MatrixXd& channel_H = H[std::size_t(c)];
-            channel_H.block(first, first, others, others) += quadratic.H,
-                g.col(c).segment(first, others) += quadratic.g;
+            channel_H.block(first, first, others, others) += quadratic.H;
+            g.col(c).segment(first, others) += quadratic.g;
             if (v + 1 == views.size()) continue;
             const double smoothness = k_fraction_smoothness * elementary::square(closeness(v));
             for (Eigen::Index i = first; i < first + others; ++i) {
-                channel_H(i, i) += smoothness, channel_H(i + others, i + others) += smoothness;
-                channel_H(i, i + others) -= smoothness, channel_H(i + others, i) -= smoothness;
+                channel_H(i, i) += smoothness;
+                channel_H(i + others, i + others) += smoothness;
+                channel_H(i, i + others) -= smoothness;
+                channel_H(i + others, i) -= smoothness;
             }
         }
     }

@@ -51,9 +51,12 @@ Result<Done> check_options(const MapOptions& options) {
 /// The options of a fit to one material with the same kind of lobes.
 PmFitOptions lobe_options(const MapOptions& options) {
     PmFitOptions pm_options;
-    pm_options.form = options.form, pm_options.axial = options.axial, pm_options.lobes = options.lobes,
+    pm_options.form = options.form;
+    pm_options.axial = options.axial;
+    pm_options.lobes = options.lobes;
     pm_options.variates = options.variates;
-    pm_options.seed = options.seed, pm_options.threads = options.threads;
+    pm_options.seed = options.seed;
+    pm_options.threads = options.threads;
     return pm_options;
 }
 
@@ -241,7 +244,10 @@ Result<TexelMap> fit_map(const SharedPairs& pairs, std::span<const Rgb> f, const
         if (reporter.cancelled()) return cancelled_error("fit_map");
         const std::vector<float> errors = coefficients_of_texels(map, pairs, f, options.threads).error;
         const double error = std::accumulate(errors.begin(), errors.end(), 0.0);
-        if (search == 0 || error < min) min = error, best = std::move(map);
+        if (search == 0 || error < min) {
+            min = error;
+            best = std::move(map);
+        }
     }
     return best;
 }

@@ -18,7 +18,8 @@ constexpr std::size_t k_hessians = 8;
 
 SharedProblem::SharedProblem(std::span<const std::unique_ptr<PackedObservations>> materials, const LobeShape& shape) {
     for (const auto& rows : materials) problems_.push_back(std::make_unique<LobeProblem>(*rows, shape, false));
-    factor_.assign(materials.size(), 1.0), loss_.assign(materials.size(), 0.0);
+    factor_.assign(materials.size(), 1.0);
+    loss_.assign(materials.size(), 0.0);
 }
 
 Eigen::VectorXd SharedProblem::lower(const Eigen::VectorXd& x) const {
@@ -41,14 +42,17 @@ double SharedProblem::loss(const Eigen::VectorXd& x) {
 }
 
 void SharedProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
-    H = Eigen::MatrixXd::Zero(x.size(), x.size()), g = Eigen::VectorXd::Zero(x.size());
+    H = Eigen::MatrixXd::Zero(x.size(), x.size());
+    g = Eigen::VectorXd::Zero(x.size());
     std::vector<Eigen::MatrixXd> hessian(k_hessians);
     std::vector<Eigen::VectorXd> gradient(k_hessians);
     for (std::size_t first = 0; first < problems_.size(); first += k_hessians) {
         const std::size_t count = std::min(k_hessians, problems_.size() - first);
         parallel_for(count, [&](std::size_t i) { problems_[first + i]->linearise(x, hessian[i], gradient[i]); });
-        for (std::size_t i = 0; i < count; ++i)
-            H += factor_[first + i] * hessian[i], g += factor_[first + i] * gradient[i];
+        for (std::size_t i = 0; i < count; ++i) {
+            H += factor_[first + i] * hessian[i];
+            g += factor_[first + i] * gradient[i];
+        }
     }
 }
 

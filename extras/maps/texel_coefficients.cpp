@@ -165,7 +165,8 @@ class BlockSolver {
 
     void solve(const std::vector<std::size_t>& which, std::size_t count, Solution& solution) {
         const std::size_t n = which.size();
-        solution.beta.assign(3 * J() * k_block_texels, 0), solution.scaled.assign(solution.beta.size(), 0);
+        solution.beta.assign(3 * J() * k_block_texels, 0);
+        solution.scaled.assign(solution.beta.size(), 0);
         const auto size = Eigen::Index(n);
         Eigen::MatrixXd G(size, size);
         Eigen::VectorXd g(size), upper(size), solved;
@@ -201,8 +202,10 @@ class BlockSolver {
     /// True if it is evident that texel t needs lobes that the samples do not constrain.
     bool needs_all(std::size_t t) const {
         std::size_t all = 0, constrained = 0;
-        for (std::size_t number = 0; number < 3 * J(); ++number)
-            all += complete_.beta[at(number, t)] > 0, constrained += constrained_.beta[at(number, t)] > 0;
+        for (std::size_t number = 0; number < 3 * J(); ++number) {
+            all += complete_.beta[at(number, t)] > 0;
+            constrained += constrained_.beta[at(number, t)] > 0;
+        }
         return is_evident(double(constrained_.residual[t]), double(complete_.residual[t]),
                           all > constrained ? all - constrained : 1, 3 * double(block_.known[t]));
     }
@@ -212,7 +215,8 @@ class BlockSolver {
         for (std::size_t j = 0; j < J(); ++j)
             for (std::size_t c = 0; c < 3; ++c) {
                 const float beta = solution.beta[at(3 * j + c, t)];
-                texels.coefficient[n * J() + j][int(c)] = beta, largest = std::max(largest, beta);
+                texels.coefficient[n * J() + j][int(c)] = beta;
+                largest = std::max(largest, beta);
             }
         const double energy = double(block_.energy[t]);
         texels.error[n] = energy > 0            ? float(std::sqrt(double(solution.residual[t]) / energy))
@@ -238,8 +242,10 @@ void leave_out_largest(const SharedPairs& pairs, std::span<Rgb> f) {
     std::size_t largest = 0;
     double max = -1;
     for (std::size_t i = 0; i < f.size(); ++i)
-        if (const double x = largest_of(f[i]) * cosines(pairs.wl[i], pairs.wv[i]); is_finite(f[i]) && x > max)
-            max = x, largest = i;
+        if (const double x = largest_of(f[i]) * cosines(pairs.wl[i], pairs.wv[i]); is_finite(f[i]) && x > max) {
+            max = x;
+            largest = i;
+        }
     f[largest].r = std::numeric_limits<float>::quiet_NaN();
 }
 

@@ -95,7 +95,9 @@ HWY_INLINE void normalise(const TexelPairs& pairs, TexelBlock& block, std::size_
         known = known + one;
         one.store(row(block.weight.data(), i) + v);
     }
-    bright.store(block.bright + v), largest.store(block.largest + v), known.store(block.known + v);
+    bright.store(block.bright + v);
+    largest.store(block.largest + v);
+    known.store(block.known + v);
 }
 
 /// Replaces the marks by the weights of the objective, as `weigh` does, of values whose `bright` is 1.
@@ -108,7 +110,8 @@ HWY_INLINE void weigh(const TexelPairs& pairs, TexelBlock& block, std::size_t v)
         Batch sum(0.0), square(0.0);
         for (std::size_t c = 0; c < 3; ++c) {
             const Batch y = value(block, i, c, v);
-            sum = sum + y, square = square + y * y;
+            sum = sum + y;
+            square = square + y * y;
         }
         const Batch f = sum * Batch(1 / 3.0), display_weights = is_known * display_weight(f, bright, cos_l, cos_v),
                     highlight_weights = is_known * highlight_weight(f, bright, cos_l, cos_v);
@@ -132,8 +135,11 @@ HWY_INLINE void weigh(const TexelPairs& pairs, TexelBlock& block, std::size_t v)
 }
 
 void prepare_texels(const TexelPairs& pairs, TexelBlock& block) {
-    for (std::size_t v = 0; v < k_block_texels; v += k_width)
-        mark(pairs, block, v), normalise(pairs, block, v), weigh(pairs, block, v);
+    for (std::size_t v = 0; v < k_block_texels; v += k_width) {
+        mark(pairs, block, v);
+        normalise(pairs, block, v);
+        weigh(pairs, block, v);
+    }
 }
 
 // Columns whose sums are computed together.
@@ -183,21 +189,21 @@ void weighted_products(std::span<const float* const> columns, const TexelPairs& 
 
 void weighted_residuals(std::span<const float* const> columns, const float* beta, const TexelPairs& pairs,
                         const TexelBlock& block, float* residual) {
-    constexpr std::size_t k_together = 4;  // pairs
+    constexpr std::size_t k_pairs_at_once = 4;  // pairs
     for (std::size_t v = 0; v < k_block_texels; v += k_width) {
         Batch sum(0.0);
-        for (std::size_t first = 0; first < pairs.pairs; first += k_together) {
-            Batch left[k_together][3];
-            for (std::size_t i = 0; i < k_together; ++i)
+        for (std::size_t first = 0; first < pairs.pairs; first += k_pairs_at_once) {
+            Batch left[k_pairs_at_once][3];
+            for (std::size_t i = 0; i < k_pairs_at_once; ++i)
                 for (std::size_t c = 0; c < 3; ++c) left[i][c] = value(block, first + i, c, v);
             for (std::size_t n = 0; n < columns.size(); ++n) {
                 Batch coefficient[3];
                 for (std::size_t c = 0; c < 3; ++c) coefficient[c] = Batch::load(row(beta, 3 * n + c) + v);
-                for (std::size_t i = 0; i < k_together; ++i)
+                for (std::size_t i = 0; i < k_pairs_at_once; ++i)
                     for (std::size_t c = 0; c < 3; ++c)
                         left[i][c] = left[i][c] - number(columns[n][first + i]) * coefficient[c];
             }
-            for (std::size_t i = 0; i < k_together; ++i) {
+            for (std::size_t i = 0; i < k_pairs_at_once; ++i) {
                 Batch squares(0.0);
                 for (std::size_t c = 0; c < 3; ++c) squares = squares + left[i][c] * left[i][c];
                 sum = sum + Batch::load(row(block.weight.data(), first + i) + v) * squares;
@@ -225,18 +231,22 @@ TexelPairs::TexelPairs(const SharedPairs& shared)
       cos_v(pairs),
       cosines(pairs) {
     for (std::size_t i = 0; i < shared.wl.size(); ++i)
-        if (shared.wl[i].z > 0 && shared.wv[i].z > 0)
-            ++above, cos_l[i] = shared.wl[i].z, cos_v[i] = shared.wv[i].z, cosines[i] = cos_l[i] * cos_v[i];
+        if (shared.wl[i].z > 0 && shared.wv[i].z > 0) {
+            ++above;
+            cos_l[i] = shared.wl[i].z;
+            cos_v[i] = shared.wv[i].z;
+            cosines[i] = cos_l[i] * cos_v[i];
+        }
 }
 
 void load_texels(std::span<const Rgb> f, std::size_t count, const TexelPairs& pairs, TexelBlock& block) {
-    constexpr std::size_t k_together = 16;  // numbers of a texel
+    constexpr std::size_t k_numbers_at_once = 16;  // numbers of a texel
     const std::size_t numbers = 3 * f.size() / count;
     const float* const values = &f[0].r;
     std::ranges::fill(block.y, 0.f);
-    for (std::size_t first = 0; first < numbers; first += k_together)
+    for (std::size_t first = 0; first < numbers; first += k_numbers_at_once)
         for (std::size_t t = 0; t < count; ++t)
-            for (std::size_t i = first; i < std::min(first + k_together, numbers); ++i)
+            for (std::size_t i = first; i < std::min(first + k_numbers_at_once, numbers); ++i)
                 block.y[i * k_block_texels + t] = values[t * numbers + i];
     HWY_DYNAMIC_DISPATCH(prepare_texels)(pairs, block);
 }

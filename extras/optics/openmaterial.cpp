@@ -96,7 +96,8 @@ struct OpenMaterialRows : JsonRows {
         if (column != k_order.size()) return refuse("a row of fewer than five numbers");
         // The light's azimuth is 0, and f is not negative. A direction at −θ lies at θ in the opposite half of its
         // plane.
-        row[1] = 0, row[k_weight_column] = 1;
+        row[1] = 0;
+        row[k_weight_column] = 1;
         for (const std::size_t theta : {0u, 2u})
             if (row[theta] < 0) row[theta] = -row[theta], row[3] += float(k_pi);
         if (row[k_value_column] < 0) row[k_value_column] = k_nan;
@@ -130,7 +131,11 @@ ScatteredSamples sample_on_grid(const Evaluate& brdf, const std::string& descrip
     ScatteredSamples samples;
     samples.description = description;
     for (std::size_t i = 0; i < f.size(); ++i)
-        if (is_finite(f[i])) samples.wl.push_back(wl[i]), samples.wv.push_back(wv[i]), samples.colour.push_back(f[i]);
+        if (is_finite(f[i])) {
+            samples.wl.push_back(wl[i]);
+            samples.wv.push_back(wv[i]);
+            samples.colour.push_back(f[i]);
+        }
     return samples;
 }
 

@@ -17,11 +17,11 @@ namespace {
 
 /// The position of x among rising nodes: between `i` and `next`, at the fraction `weight`. Beyond the ends it is
 /// the last node there.
-struct Between {
+struct NodeInterval {
     std::size_t i = 0, next = 0;
     double weight = 0;
 };
-Between position_among(std::span<const float> nodes, double x) {
+NodeInterval position_among(std::span<const float> nodes, double x) {
     if (nodes.size() < 2 || !(x > double(nodes.front()))) return {};
     if (x >= double(nodes.back())) return {nodes.size() - 1, nodes.size() - 1, 0};
     const std::size_t upper = std::size_t(std::ranges::upper_bound(nodes, float(x)) - nodes.begin());
@@ -31,7 +31,7 @@ Between position_among(std::span<const float> nodes, double x) {
 }
 
 /// The position of x among periodic nodes. After the last node comes the first.
-Between position_around(std::span<const float> nodes, double x, double period) {
+NodeInterval position_around(std::span<const float> nodes, double x, double period) {
     const double first = double(nodes.front()), last = double(nodes.back());
     x = std::fmod(x - first, period);
     x = first + (x < 0 ? x + period : x);
@@ -43,7 +43,10 @@ Between position_around(std::span<const float> nodes, double x, double period) {
 struct ScatterMean {
     double sum = 0, weight = 0;
     void add(double value, double value_weight) {
-        if (value_weight > 0 && std::isfinite(value)) sum += value_weight * value, weight += value_weight;
+        if (value_weight > 0 && std::isfinite(value)) {
+            sum += value_weight * value;
+            weight += value_weight;
+        }
     }
     double result() const { return weight > 0 ? sum / weight : double(k_nan); }
 };
@@ -60,7 +63,7 @@ bool are_mirrored(std::span<const float> nodes) {
     return double(nodes.back()) <= k_pi + k_azimuth_rounding && nodes.front() >= 0;
 }
 
-Between azimuth_position(std::span<const float> nodes, double phi) {
+NodeInterval azimuth_position(std::span<const float> nodes, double phi) {
     return are_mirrored(nodes) ? position_among(nodes, std::abs(std::remainder(phi, 2 * k_pi)))
                                : position_around(nodes, phi, 2 * k_pi);
 }
@@ -73,7 +76,7 @@ bool has_azimuth(std::span<const float> nodes, double phi) {
                  x = std::abs(std::remainder(phi, 2 * k_pi));
     double gap = 0;
     if (!are_mirrored(nodes)) {
-        const Between position = azimuth_position(nodes, phi);
+        const NodeInterval position = azimuth_position(nodes, phi);
         gap = position.next < position.i ? first + 2 * k_pi - last : 0;
     } else if (x < first || x > last) {
         gap = 2 * (x < first ? first : k_pi - last);
@@ -111,8 +114,8 @@ double slice_at(const ScatterTable& table, const ScatterTable::Slice& slice, con
     if (!is_within(slice.polar, theta)) return double(k_nan);
     if (theta > k_rounding && !has_azimuth(slice.azimuth, azimuth_of(table, viewer))) return double(k_nan);
     const Vec3d w = table.about_mirror ? viewer : tilted(directions.about_mirror, double(slice.theta_l));
-    const Between p = position_among(slice.polar, polar_angle(w)),
-                  a = azimuth_position(slice.azimuth, azimuth_of(table, w));
+    const NodeInterval p = position_among(slice.polar, polar_angle(w)),
+                       a = azimuth_position(slice.azimuth, azimuth_of(table, w));
     const std::size_t n = slice.azimuth.size(), begin = channel * slice.polar.size() * n;
     ScatterMean mean;
     for (const auto& [row, weight] : {std::pair(p.i, 1 - p.weight), {p.next, p.weight}}) {
@@ -128,7 +131,7 @@ double rotation_at(const ScatterTable& table, std::size_t rotation, const Scatte
     const std::size_t first = table.first[rotation], count = table.first[rotation + 1] - first;
     std::vector<float> nodes;
     for (std::size_t k = 0; k < count; ++k) nodes.push_back(table.slices[first + k].theta_l);
-    const Between position = position_among(nodes, directions.theta_l);
+    const NodeInterval position = position_among(nodes, directions.theta_l);
     ScatterMean mean;
     mean.add(slice_at(table, table.slices[first + position.i], directions, channel), 1 - position.weight);
     if (position.weight > 0)
@@ -165,14 +168,17 @@ Rgb signed_value(const ScatterTable& table, Vec3f wl, Vec3f wv) {
     // The frame whose +x is on the side of the mirror direction.
     const double c = -elementary::cos(phi_l), s = -elementary::sin(phi_l);
     Vec3d forward{c * double(wv.x) + s * double(wv.y), c * double(wv.y) - s * double(wv.x), double(wv.z)};
-    Between position;
+    NodeInterval position;
     if (table.rotation.size() > 1) {
         double rotation = table.about_mirror ? phi_l - k_pi / 2 : k_pi - phi_l;
         const double last = double(table.rotation.back());
         const bool is_half = last <= k_pi + k_azimuth_rounding, is_quarter = last <= k_pi / 2 + k_azimuth_rounding;
         if (is_quarter) {
             rotation = std::remainder(rotation, k_pi);
-            if (rotation < 0) rotation = -rotation, forward.y = -forward.y;
+            if (rotation < 0) {
+                rotation = -rotation;
+                forward.y = -forward.y;
+            }
         }
         position = is_quarter ? position_among(table.rotation, rotation)
                               : position_around(table.rotation, rotation, is_half ? k_pi : 2 * k_pi);

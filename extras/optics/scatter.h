@@ -8,12 +8,20 @@
 namespace SRBF_NAMESPACE {
 
 template <typename Each> void members(ScatterTable::Slice& value, const Each& each) {
-    each(value.theta_l), each(value.polar), each(value.azimuth), each(value.f);
+    each(value.theta_l);
+    each(value.polar);
+    each(value.azimuth);
+    each(value.f);
 }
 template <typename Each> void members(ScatterTable& value, const Each& each) {
-    each(value.about_mirror), each(value.transmission), each(value.rotation), each(value.first), each(value.slices),
-        each(value.tint);
-    each(value.masked), each(value.channels);
+    each(value.about_mirror);
+    each(value.transmission);
+    each(value.rotation);
+    each(value.first);
+    each(value.slices);
+    each(value.tint);
+    each(value.masked);
+    each(value.channels);
 }
 
 std::vector<TableLine> lines_about(const ScatterTable& table);

@@ -47,7 +47,8 @@ float speos_percentage(ScatterText& text) {
 void read_speos_percents(ScatterText& text, SpeosSide& side) {
     side.theta = text.number<double>("theta of the spectrum") * k_degree;
     text.number<double>("phi of the spectrum");
-    text.raw_line(), text.raw_line();  // the end of that line, then a description
+    text.raw_line();
+    text.raw_line();  // the end of that line, then a description
     const std::size_t n = text.count("number of wavelengths", k_max_percents);
     for (std::size_t i = 0; i < n && !text.error(); ++i) {
         side.wavelength.push_back(text.number<float>("wavelength"));
@@ -83,7 +84,8 @@ ScatterTable::Slice read_speos_slice(ScatterText& text, const SpeosSide& side, f
         text.values(n_phi, rows.emplace_back(), are_bsdf ? 1 / k_pi : 1);  // BSDFs are relative to white
     }
     if (side.is_transmission) {
-        std::ranges::reverse(slice.polar), std::ranges::reverse(rows);
+        std::ranges::reverse(slice.polar);
+        std::ranges::reverse(rows);
         for (float& theta : slice.polar) theta = float(k_pi - double(theta));
     }
     for (const auto& row : rows) slice.f.insert(slice.f.end(), row.begin(), row.end());
@@ -210,12 +212,15 @@ Result<std::array<std::optional<ScatterTable>, 2>> read_speos(std::span<const st
         text.fail("second line", "0, a file of text", flag.starts_with('1') ? "1, a binary file" : quoted(flag));
     text.raw_line();  // a comment
     const auto length = text.number<std::uint32_t>("length of the description");
-    text.raw_line(), text.skip(length), text.raw_line();
+    text.raw_line();
+    text.skip(length);
+    text.raw_line();
     for (int i = 0; i < 3 && !is_spectral; ++i) text.number<double>("anisotropy vector");
     std::array<SpeosSide, 2> sides;
-    for (std::size_t s = 0; s < 2; ++s)
-        sides[s].is_there = text.number<int>("flags of reflection and transmission") != 0,
+    for (std::size_t s = 0; s < 2; ++s) {
+        sides[s].is_there = text.number<int>("flags of reflection and transmission") != 0;
         sides[s].is_transmission = s == 1;
+    }
     const int type = text.number<int>("type of values");
     if (!text.error() && !(type == 0 || type == 1)) text.fail("type of values", "0 or 1", fmt::format("{}", type));
     if (!text.error() && !sides[0].is_there && !sides[1].is_there)

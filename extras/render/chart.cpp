@@ -15,7 +15,10 @@ bool is_shown(const ChartSeries::Point& point) {
 
 struct Range {
     double min = std::numeric_limits<double>::infinity(), max = 0;
-    void add(double value) { min = std::min(min, value), max = std::max(max, value); }
+    void add(double value) {
+        min = std::min(min, value);
+        max = std::max(max, value);
+    }
     double position(double value) const { return std::log(value / min) / std::log(max / min); }
 };
 
@@ -25,15 +28,22 @@ std::string chart_drawing(const Chart& chart) {
     Range x, y;
     for (const ChartSeries& series : chart.series)
         for (const auto& point : series.points)
-            if (is_shown(point)) x.add(point.x), y.add(point.y);
+            if (is_shown(point)) {
+                x.add(point.x);
+                y.add(point.y);
+            }
     for (const double tick : chart.x_ticks) x.add(tick);
-    if (y.max == 0) x.add(1), y.add(1);
+    if (y.max == 0) {
+        x.add(1);
+        y.add(1);
+    }
     // The axis of errors has whole decades, the axis of x some space at both ends.
     const int lowest = int(std::floor(std::log10(y.min))),
               highest = std::max(int(std::ceil(std::log10(y.max))), lowest + 1);
     y = {std::pow(10.0, lowest), std::pow(10.0, highest)};
     const double space = std::max(std::pow(x.max / x.min, 0.04), 1.05);
-    x.add(x.min / space), x.add(x.max * space);
+    x.add(x.min / space);
+    x.add(x.max * space);
     const auto x_of = [&](double value) { return k_left + x.position(value) * (k_right - k_left); };
     const auto y_of = [&](double value) { return k_bottom - y.position(value) * (k_bottom - k_top); };
 

@@ -126,7 +126,10 @@ Environment::Environment(Image texels) : texels_(std::move(texels)) {
     for (Rgb& texel : texels_.pixels) {
         bool changed = false;
         for (int c = 0; c < 3; ++c)
-            if (!(texel[c] >= 0 && std::isfinite(texel[c]))) texel[c] = 0, changed = true;
+            if (!(texel[c] >= 0 && std::isfinite(texel[c]))) {
+                texel[c] = 0;
+                changed = true;
+            }
         clamped_ += changed;
     }
     // The mean of the bilinear function over a texel: weights of three quarters for the texel and an eighth for

@@ -29,8 +29,12 @@ void extrapolate(MerlTable& table) {
                     for (int c = 0; c < 3; ++c) sum[c] += neighbour[c];
                     ++count;
                 };
-                add(h - 1, d, p), add(h + 1, d, p), add(h, d - 1, p), add(h, d + 1, p);
-                add(h, d, (p + n_p - 1) % n_p), add(h, d, (p + 1) % n_p);
+                add(h - 1, d, p);
+                add(h + 1, d, p);
+                add(h, d - 1, p);
+                add(h, d + 1, p);
+                add(h, d, (p + n_p - 1) % n_p);
+                add(h, d, (p + 1) % n_p);
                 for (int c = 0; count > 0 && c < 3; ++c) f[c] = sum[c] / float(count);
             }
 }

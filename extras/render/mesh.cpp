@@ -105,7 +105,8 @@ Mesh sphere(int rings) {
         const bool is_degenerate =
             ring(t[1]) == ring(t[2]) ? ring(t[1]) == std::uint32_t(rings) : ring(t[0]) == ring(t[2]) && ring(t[0]) == 0;
         if (is_degenerate) continue;  // triangles at the poles
-        mesh.triangles.push_back(t), mesh.texture.push_back(grid.texture[i]);
+        mesh.triangles.push_back(t);
+        mesh.texture.push_back(grid.texture[i]);
     }
     return mesh;
 }

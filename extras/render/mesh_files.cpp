@@ -166,7 +166,8 @@ class PlyReader {
                 const auto name = std::ranges::find(names, word);
                 if (name == names.end())
                     return fail("format of a .ply", "ascii, binary_little_endian or binary_big_endian", word);
-                encoding_ = Encoding(name - names.begin()), has_format = true;
+                encoding_ = Encoding(name - names.begin());
+                has_format = true;
             } else if (keyword == "element") {
                 Element element{std::string(next_word(*line).substr(0, 40)), 0, {}};
                 const std::string_view word = next_word(*line);
@@ -183,7 +184,8 @@ class PlyReader {
                 Property property;
                 std::string_view word = next_word(*line);
                 if (word == "list") {
-                    word = next_word(*line), property.length = type_named(word);
+                    word = next_word(*line);
+                    property.length = type_named(word);
                     if (!property.length || !property.length->is_whole)
                         return fail("type of a list's length", "a type of integers", word);
                     word = next_word(*line);
@@ -390,8 +392,10 @@ Result<Mesh> read_obj(std::span<const std::byte> bytes, const std::string& file_
             const auto next = std::uint32_t(mesh.positions.size());
             const auto [vertex, is_new] = vertex_of.emplace(std::pair(corner.position, corner.normal), next);
             triangle[k] = vertex->second;
-            if (is_new)
-                mesh.positions.push_back(positions[corner.position]), mesh.normals.push_back(normals[corner.normal]);
+            if (is_new) {
+                mesh.positions.push_back(positions[corner.position]);
+                mesh.normals.push_back(normals[corner.normal]);
+            }
         }
         const auto place = [&](std::size_t k) { return texture[corners[t[k]].texture]; };
         if (all_have_texture) mesh.texture.push_back({place(0), place(1), place(2)});

@@ -324,8 +324,10 @@ std::string viewer_data() { return common_data(true).dump(-1, ' ', false, Json::
 
 std::string viewer_material(const PageMaterial& entry) {
     Json data = data_of(entry);
-    if (entry.material)
-        data["text"] = shader_text_of(*entry.material).fragment, data["exposure"] = exposure_under_lights(entry.brdf);
+    if (entry.material) {
+        data["text"] = shader_text_of(*entry.material).fragment;
+        data["exposure"] = exposure_under_lights(entry.brdf);
+    }
     return data.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

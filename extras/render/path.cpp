@@ -126,7 +126,7 @@ class Tracer {
         for (int bounce = 0;; ++bounce) {
             ++result.rays;
             const auto hit = is_free(bounce) ? std::nullopt : rays_.closest(origin, direction);
-            add_lights(result.radiance, throughput, origin, direction, hit ? hit->distance : k_far, sampled_pdf);
+            add_lights(result.radiance, throughput, origin, direction, hit ? hit->distance : k_infinity, sampled_pdf);
             if (!hit || bounce == options_.bounces) return result;
             const Surface surface = surface_at(*hit, direction, random);
             if (bounce == 0) {
@@ -160,7 +160,7 @@ class Tracer {
     /// True if nothing can stop the path after that many bounces.
     bool is_free(int bounce) const { return bounce > 0 && !options_.occlusion; }
 
-    static constexpr float k_far = std::numeric_limits<float>::infinity();
+    static constexpr float k_infinity = std::numeric_limits<float>::infinity();
 
     static std::vector<const Mesh*> meshes_of(const PathScene& scene) {
         std::vector<const Mesh*> meshes;
@@ -226,12 +226,13 @@ class Tracer {
 
     void add_sampled_lights(PathResult& result, const Rgb& throughput, const Surface& surface, Random& random) const {
         for (const DirectionalLight& light : scene_.lights)
-            add_light(result, throughput, surface, to_float(light.towards), k_far, light.irradiance, 0);
+            add_light(result, throughput, surface, to_float(light.towards), k_infinity, light.irradiance, 0);
         if (has_environment()) {
             const float u1 = random.next(), u2 = random.next();
             const Vec3f w = scene_.environment->sample(u1, u2);
             if (const auto light = scene_.environment->at(w); light.pdf > 0)
-                add_light(result, throughput, surface, environment_axes_.from(w), k_far, light.radiance, light.pdf);
+                add_light(result, throughput, surface, environment_axes_.from(w), k_infinity, light.radiance,
+                          light.pdf);
         }
         if (!scene_.area_lights.empty()) {
             const float position = random.next() * float(scene_.area_lights.size()), u1 = random.next(),
@@ -272,7 +273,7 @@ class Tracer {
             if (const float density = area_pdf(light, direction, hit_distance); density > 0)
                 add(light.radiance, density);
         }
-        if (distance < k_far || !has_environment()) return;
+        if (distance < k_infinity || !has_environment()) return;
         const auto light = scene_.environment->at(environment_axes_.to(direction));
         add(light.radiance, light.pdf);
     }

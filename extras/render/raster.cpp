@@ -108,7 +108,8 @@ std::array<float, 16> to_clip(const RasterView& view, const Bounds& box) {
         const Vec3d p{corner & 1 ? box.min.x : box.max.x, corner & 2 ? box.min.y : box.max.y,
                       corner & 4 ? box.min.z : box.max.z};
         const double depth = -dot(p - camera.eye, axes.z);
-        near = std::min(near, depth), far = std::max(far, depth);
+        near = std::min(near, depth);
+        far = std::max(far, depth);
     }
     far = std::max(far * 1.01, 1e-30);
     near = std::max(near * 0.99, far * 1e-4);
@@ -119,7 +120,9 @@ std::array<float, 16> to_clip(const RasterView& view, const Bounds& box) {
                                     -1.0 * axes.z};
     std::array<float, 16> columns{};
     for (std::size_t r = 0; r < 4; ++r) {
-        columns[r] = float(rows[r].x), columns[4 + r] = float(rows[r].y), columns[8 + r] = float(rows[r].z);
+        columns[r] = float(rows[r].x);
+        columns[4 + r] = float(rows[r].y);
+        columns[8 + r] = float(rows[r].z);
         columns[12 + r] = float((r == 2 ? shift_z : 0) - dot(rows[r], camera.eye));
     }
     return columns;
@@ -375,7 +378,9 @@ Result<RasterTarget> RasterTarget::make(int width, int height, int samples, Form
     if (format == Format::floats) pixel_format = max_samples(GL_RGBA32F) >= samples ? GL_RGBA32F : GL_RGBA16F;
 
     RasterTarget target;
-    target.width_ = width, target.height_ = height, target.format_ = format;
+    target.width_ = width;
+    target.height_ = height;
+    target.format_ = format;
     target.samples_ = std::clamp(max_samples(pixel_format), 1, samples);
     const bool is_texture = target.samples_ == 1;
     if (is_texture) {
@@ -437,14 +442,16 @@ Result<RasterSurface> RasterSurface::make(Dialect dialect, int width, int height
     auto program = new_program(surface_shader_text(dialect));
     if (!program) return program.error();
     RasterSurface surface;
-    surface.width_ = width, surface.height_ = height;
+    surface.width_ = width;
+    surface.height_ = height;
     surface.program_ = *std::move(program);
     const auto texture = [&] {
         GlObject made = new_texture(GL_TEXTURE_2D, GL_NEAREST);
         glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, width, height, 0, GL_RGBA, GL_FLOAT, nullptr);
         return made;
     };
-    surface.positions_ = texture(), surface.normals_ = texture();
+    surface.positions_ = texture();
+    surface.normals_ = texture();
     surface.depth_ = renderbuffer(GL_DEPTH_COMPONENT24, width, height, 1);
     surface.framebuffer_ = framebuffer(surface.positions_, true, &surface.depth_);
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT1, GL_TEXTURE_2D, surface.normals_.id(), 0);

@@ -18,7 +18,8 @@ class GlObject {
     GlObject(unsigned id, Delete destroy) : id_(id), delete_(destroy) {}
     GlObject(GlObject&& other) noexcept : id_(std::exchange(other.id_, 0)), delete_(other.delete_) {}
     GlObject& operator=(GlObject&& other) noexcept {
-        std::swap(id_, other.id_), std::swap(delete_, other.delete_);
+        std::swap(id_, other.id_);
+        std::swap(delete_, other.delete_);
         return *this;
     }
     ~GlObject() {

@@ -18,8 +18,12 @@ RTCScene scene_of(const std::shared_ptr<void>& pointer) { return static_cast<RTC
 
 RTCRay ray_of(Vec3f origin, Vec3f direction, float furthest) {
     RTCRay ray{};
-    ray.org_x = origin.x, ray.org_y = origin.y, ray.org_z = origin.z;
-    ray.dir_x = direction.x, ray.dir_y = direction.y, ray.dir_z = direction.z;
+    ray.org_x = origin.x;
+    ray.org_y = origin.y;
+    ray.org_z = origin.z;
+    ray.dir_x = direction.x;
+    ray.dir_y = direction.y;
+    ray.dir_z = direction.z;
     ray.tfar = furthest;
     ray.mask = ~0u;
     return ray;

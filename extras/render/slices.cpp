@@ -35,7 +35,9 @@ struct Outline {
         }
         if (is_drawing && std::hypot(to_x - x, to_y - y) < min_step) return;
         path += fmt::format("{}{:.1f} {:.1f}", is_drawing ? 'L' : 'M', to_x, to_y);
-        x = to_x, y = to_y, is_drawing = true;
+        x = to_x;
+        y = to_y;
+        is_drawing = true;
     }
 };
 std::string curve_path(const SliceCurve& curve, const Outline& outline, bool is_first) {
@@ -109,8 +111,10 @@ struct LobePlot {
         double min = std::numeric_limits<double>::infinity();
         for (std::size_t i = 0; i < slice.degrees.size(); ++i)
             if (const double y = slice.luminance[i];
-                std::abs(std::cos(slice.degrees[i] * k_degree)) >= std::cos(counted_theta * k_degree) && y > 0)
-                max = std::max(max, y), min = std::min(min, y);
+                std::abs(std::cos(slice.degrees[i] * k_degree)) >= std::cos(counted_theta * k_degree) && y > 0) {
+                max = std::max(max, y);
+                min = std::min(min, y);
+            }
         if (max == 0) max = min = 1;
         highest = std::log10(max);
         // With front and back, the smallest value is still a visible lobe.
@@ -138,10 +142,14 @@ struct LobePlot {
     /// Rings and axes; the labels, which are drawn over the curves, are appended to `labels`.
     std::string grid(std::string& labels) const {
         std::string svg;
-        const auto add = [&](double r, const std::string& label) { svg += ring(r), labels += ring_label(r, label); };
-        if (is_linear)
-            add(radius / 2, two_digits(max / 2)), add(radius, two_digits(max));
-        else
+        const auto add = [&](double r, const std::string& label) {
+            svg += ring(r);
+            labels += ring_label(r, label);
+        };
+        if (is_linear) {
+            add(radius / 2, two_digits(max / 2));
+            add(radius, two_digits(max));
+        } else
             for (int exponent = int(std::floor(lowest)) + 1; exponent <= highest; ++exponent)
                 add(r_of(std::pow(10.0, exponent)), power_of_ten(exponent));
         if (is_circle) labels += svg_text(4, y0() - 6, "start", "front") + svg_text(4, y0() + 13, "start", "back");
@@ -191,7 +199,10 @@ std::string slice_drawing(std::span<const SliceCurve> curves, double theta_l) {
     for (const SliceCurve& curve : curves) {
         slices.push_back(luminance_slice(curve.brdf, theta_l));
         for (const double y : slices.back().luminance)
-            if (y > 0 && std::isfinite(y)) max = std::max(max, y), min = std::min(min, y);
+            if (y > 0 && std::isfinite(y)) {
+                max = std::max(max, y);
+                min = std::min(min, y);
+            }
     }
     const DecadePlot plot{Decades(min, max, k_slice_decades), -90, 90};
     const auto x_of = [&](double degrees) { return plot.x_of(degrees); };
@@ -212,7 +223,7 @@ std::string slice_drawing(std::span<const SliceCurve> curves, double theta_l) {
 }
 
 std::vector<Scan> scans_in_plane(const ScatteredSamples& samples) {
-    constexpr double k_apart = 0.1;  // degrees
+    constexpr double k_min_scan_step = 0.1;  // degrees
     constexpr std::size_t k_fewest = 8;
     struct Point {
         double light, view, luminance;
@@ -230,8 +241,10 @@ std::vector<Scan> scans_in_plane(const ScatteredSamples& samples) {
     std::ranges::stable_sort(points, {}, &Point::light);
     std::vector<Scan> scans;
     for (std::size_t i = 0; i < points.size(); ++i) {
-        if (i == 0 || points[i].light - points[i - 1].light > k_apart) scans.emplace_back().theta_l = points[i].light;
-        scans.back().degrees.push_back(points[i].view), scans.back().luminance.push_back(points[i].luminance);
+        if (i == 0 || points[i].light - points[i - 1].light > k_min_scan_step)
+            scans.emplace_back().theta_l = points[i].light;
+        scans.back().degrees.push_back(points[i].view);
+        scans.back().luminance.push_back(points[i].luminance);
     }
     std::erase_if(scans, [](const Scan& scan) { return scan.degrees.size() < k_fewest; });
     return scans;
@@ -242,7 +255,10 @@ std::string scan_drawing(const Scan& scan, std::span<const SliceCurve> models) {
     constexpr int k_max_decades = 12;
     double max = 0, min = std::numeric_limits<double>::infinity();
     for (const double y : scan.luminance)
-        if (y > 0 && std::isfinite(y)) max = std::max(max, y), min = std::min(min, y);
+        if (y > 0 && std::isfinite(y)) {
+            max = std::max(max, y);
+            min = std::min(min, y);
+        }
     const double margin = std::pow(10.0, k_around);
     const DecadePlot plot{Decades(min / margin, max * margin, k_max_decades), -90 - scan.theta_l, 90 - scan.theta_l};
     std::string svg = plot.begin(fmt::format("Scan of f for light at {:.3g}° from the normal", scan.theta_l),

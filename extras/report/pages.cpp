@@ -18,21 +18,21 @@ namespace {
 
 // ---- Numbers and words ----
 
-enum class As { whole, percent, plain, seconds };
+enum class NumberFormat { whole, percent, plain, seconds };
 /// A number as HTML, `<data value='FIELD'>TEXT</data>` with its field in a table; "–" if it is missing.
-std::string number(const Json& value, As as) {
+std::string number(const Json& value, NumberFormat format) {
     if (!value.is_number()) return "–";
     const double x = value;
-    const std::string text = as == As::whole     ? grouped(value.get<std::uint64_t>())
-                             : as == As::percent ? percent(x)
-                             : as == As::seconds ? fmt::format("{:.2f} s", x)
-                                                 : fmt::format("{:.3g}", x);
+    const std::string text = format == NumberFormat::whole     ? grouped(value.get<std::uint64_t>())
+                             : format == NumberFormat::percent ? percent(x)
+                             : format == NumberFormat::seconds ? fmt::format("{:.2f} s", x)
+                                                               : fmt::format("{:.3g}", x);
     return fmt::format("<data value='{}'>{}</data>", field(value), text);
 }
-std::string number(const Json* row, const std::string& column, As as) {
+std::string number(const Json* row, const std::string& column, NumberFormat format) {
     if (row == nullptr) return "–";
     const auto entry = row->find(column);
-    return entry == row->end() ? "–" : number(*entry, as);
+    return entry == row->end() ? "–" : number(*entry, format);
 }
 /// A field as HTML.
 std::string cell_html(const Json& row, const char* column) { return html_escaped(field(row.at(column))); }
@@ -61,7 +61,9 @@ std::string measure_column(const std::string& objective, const Json& input) {
     if (objective_value == Objective::appearance && input == "table") return "delta_e_itp";
     return fmt::format("heldout_{}", measure_named_for(objective_value).name);
 }
-As format_of(const MeasureText& measure) { return measure.is_ratio ? As::percent : As::plain; }
+NumberFormat format_of(const MeasureText& measure) {
+    return measure.is_ratio ? NumberFormat::percent : NumberFormat::plain;
+}
 /// The name of a material as a link to its page.
 std::string link_to(const Json& material) {
     return fmt::format("<a href='{}/index.html'>{}</a>", cell_html(material, "folder"),
@@ -86,22 +88,23 @@ std::string verdict_text(const Json& words) {
 // ---- Tables and pages ----
 
 /// A column, or a group of columns with a common name.
-struct Head {
+struct Heading {
     std::string name;
     std::vector<std::string> columns = {};
 };
 /// A table whose first column contains names.
-std::string table(const std::vector<Head>& heads, const std::string& rows) {
-    const bool is_grouped = std::ranges::any_of(heads, [](const Head& head) { return !head.columns.empty(); });
+std::string table(const std::vector<Heading>& headings, const std::string& rows) {
+    const bool is_grouped =
+        std::ranges::any_of(headings, [](const Heading& heading) { return !heading.columns.empty(); });
     std::string html = "<div class='wide'><table><thead><tr>", second;
-    for (std::size_t i = 0; i < heads.size(); ++i) {
-        const std::size_t count = heads[i].columns.size();
+    for (std::size_t i = 0; i < headings.size(); ++i) {
+        const std::size_t count = headings[i].columns.size();
         html += fmt::format("<th scope='col{}'{}{}>{}</th>", count > 0 ? "group" : "", i == 0 ? " class='name'" : "",
                             count > 0    ? fmt::format(" colspan='{}'", count)
                             : is_grouped ? " rowspan='2'"
                                          : "",
-                            heads[i].name);
-        for (const std::string& name : heads[i].columns) second += fmt::format("<th scope='col'>{}</th>", name);
+                            headings[i].name);
+        for (const std::string& name : headings[i].columns) second += fmt::format("<th scope='col'>{}</th>", name);
     }
     if (is_grouped) html += "</tr><tr>" + second;
     return html + "</tr></thead><tbody>\n" + rows + "</tbody></table></div>\n";
@@ -177,8 +180,8 @@ std::string card_of(const Tables& tables, const Json& material) {
         "<p>{}</p>\n<p>{}{}</p>\n<p>{}, {} bytes; fitted {} bytes</p></article>\n",
         error.is_number() ? field(error) : "1e9", cell_html(material, "material"), cell_html(material, "format"),
         cell_html(material, "folder"), figures, link_to(material), verdict_text(material["verdict"]),
-        error.is_number() ? ": ΔE_ITP " + number(error, As::plain) : "", cell_html(material, "format"),
-        number(&material, "source_bytes", As::whole), number(fit, "payload_bytes", As::whole));
+        error.is_number() ? ": ΔE_ITP " + number(error, NumberFormat::plain) : "", cell_html(material, "format"),
+        number(&material, "source_bytes", NumberFormat::whole), number(fit, "payload_bytes", NumberFormat::whole));
 }
 
 /// The verdicts with their limits: "hardly visible up to a ΔE_ITP of 1 and a ꟻLIP of 0.03, ..."
@@ -199,16 +202,17 @@ std::string materials_table(const Tables& tables) {
     for (const Json* material : by_visible_error(tables)) {
         std::vector<std::string> cells;
         for (const char* role : k_compared)
-            cells.push_back(number(picture_of(tables, *material, "ball", role), "flip", As::plain));
+            cells.push_back(number(picture_of(tables, *material, "ball", role), "flip", NumberFormat::plain));
         for (const char* column : {"heldout_squared_error_ratio_cosine", "heldout_cube_root_error_ratio"})
             for (const char* role : k_compared)
-                cells.push_back(number(fit_with_role(tables, *material, role), column, As::percent));
+                cells.push_back(number(fit_with_role(tables, *material, role), column, NumberFormat::percent));
         const Json* fit = fit_with_role(tables, *material, "pm");
-        for (const auto& [column, as] :
-             {std::pair("albedo_error", As::percent), {"payload_bytes", As::whole}, {"fit_seconds", As::seconds}})
+        for (const auto& [column, as] : {std::pair("albedo_error", NumberFormat::percent),
+                                         {"payload_bytes", NumberFormat::whole},
+                                         {"fit_seconds", NumberFormat::seconds}})
             cells.push_back(number(fit, column, as));
         for (const char* column : {"masked_samples", "clamped_samples"})
-            cells.push_back(number(material, column, As::whole));
+            cells.push_back(number(material, column, NumberFormat::whole));
         rows += row(link_to(*material), cells);
     }
     return table({{"material"},
@@ -272,15 +276,16 @@ std::string pictures_of(const Tables& tables, const Json& material) {
             const Json *drawn = picture_of(tables, material, object, role),
                        *fit = fit_with_role(tables, material, role);
             if (drawn == nullptr) continue;
-            figures +=
-                fmt::format("<figure>{}<figcaption><b>{}</b>{}</figcaption>",
-                            picture(*drawn, "picture", role_title(role)), role_title(role),
-                            fit == nullptr ? "" : fmt::format(", {} bytes", number(fit, "payload_bytes", As::whole)));
+            figures += fmt::format(
+                "<figure>{}<figcaption><b>{}</b>{}</figcaption>", picture(*drawn, "picture", role_title(role)),
+                role_title(role),
+                fit == nullptr ? "" : fmt::format(", {} bytes", number(fit, "payload_bytes", NumberFormat::whole)));
             if (drawn->contains("difference"))
-                figures += fmt::format("{}<figcaption>ꟻLIP {}, PSNR {} dB, SSIM {}</figcaption>",
-                                       picture(*drawn, "difference", role_title(role) + ", difference"),
-                                       number(drawn, "flip", As::plain), number(drawn, "psnr", As::plain),
-                                       number(drawn, "ssim", As::plain));
+                figures +=
+                    fmt::format("{}<figcaption>ꟻLIP {}, PSNR {} dB, SSIM {}</figcaption>",
+                                picture(*drawn, "difference", role_title(role) + ", difference"),
+                                number(drawn, "flip", NumberFormat::plain), number(drawn, "psnr", NumberFormat::plain),
+                                number(drawn, "ssim", NumberFormat::plain));
             figures += "</figure>\n";
         }
         html += section(title, fmt::format("<div class='row'>\n{}</div>", figures));
@@ -297,10 +302,11 @@ std::string source_rows(const Tables& tables, const Json& material) {
     for (const Json* source : rows_with(tables.source, "material", material["source_material"])) {
         std::vector<std::string> cells;
         for (const char* column : {"lobes", "variates", "payload_bytes"})
-            cells.push_back(number(source, column, As::whole));
-        for (const MeasureText& measure : k_measure_texts) cells.push_back(number(source, measure.column, As::percent));
-        cells.push_back(fmt::format("{} to {} min", number(source, "least_minutes", As::whole),
-                                    number(source, "most_minutes", As::whole)));
+            cells.push_back(number(source, column, NumberFormat::whole));
+        for (const MeasureText& measure : k_measure_texts)
+            cells.push_back(number(source, measure.column, NumberFormat::percent));
+        cells.push_back(fmt::format("{} to {} min", number(source, "least_minutes", NumberFormat::whole),
+                                    number(source, "most_minutes", NumberFormat::whole)));
         html += row(source->at("model") == "su" ? "Tsai 2009, view by view" : "Tsai 2009, multivariate", cells, "tsai");
     }
     return html;
@@ -308,11 +314,12 @@ std::string source_rows(const Tables& tables, const Json& material) {
 
 /// The fits of the sizes of Table 7.1, by objective.
 std::string errors_of(const Tables& tables, const Json& material) {
-    std::vector<Head> heads{{"model"}, {"J"}, {"N"}, {"bytes"}};
-    for (const MeasureText& measure : k_measure_texts) heads.push_back({measure.title});
-    heads.push_back({"seconds"});
+    std::vector<Heading> headings{{"model"}, {"J"}, {"N"}, {"bytes"}};
+    for (const MeasureText& measure : k_measure_texts) headings.push_back({measure.title});
+    headings.push_back({"seconds"});
     std::string rows = source_rows(tables, material);
-    if (!rows.empty()) rows = group("the source: objective raw, its own matrix for this material", heads.size()) + rows;
+    if (!rows.empty())
+        rows = group("the source: objective raw, its own matrix for this material", headings.size()) + rows;
     for (const char* objective : {"appearance", "raw", "cosine", "cube-root", "relative"}) {
         std::string listed;
         const std::string minimised = measure_column(objective, material["input"]);
@@ -322,22 +329,22 @@ std::string errors_of(const Tables& tables, const Json& material) {
             theta = fit->at("max_theta");
             std::vector<std::string> cells;
             for (const char* column : {"lobes", "variates", "payload_bytes"})
-                cells.push_back(number(fit, column, As::whole));
+                cells.push_back(number(fit, column, NumberFormat::whole));
             for (const MeasureText& measure : k_measure_texts) {
                 const std::string cell = number(fit, measure.column, format_of(measure));
                 cells.push_back(measure.column == minimised ? "<b>" + cell + "</b>" : cell);
             }
-            cells.push_back(number(fit, "fit_seconds", As::seconds));
+            cells.push_back(number(fit, "fit_seconds", NumberFormat::seconds));
             listed += row(html_escaped(title_of(*fit)), cells);
         }
         if (listed.empty()) continue;
-        rows += group(fmt::format("objective {}, directions within {}°", objective, number(theta, As::plain)),
-                      heads.size());
+        rows += group(fmt::format("objective {}, directions within {}°", objective, number(theta, NumberFormat::plain)),
+                      headings.size());
         rows += listed;
     }
-    return table(heads, rows) +
+    return table(headings, rows) +
            fmt::format("<p class='note'>All {} fits are in <a href='../fits.csv'>fits.csv</a>.{}</p>",
-                       number(&material, "fits", As::whole),
+                       number(&material, "fits", NumberFormat::whole),
                        field(material["source_material"]).empty()
                            ? ""
                            : " Tsai 2009 resampled the same material in its own way.");
@@ -388,7 +395,10 @@ std::string charts_of(const Tables& tables, const Json& material) {
             const std::string text = fmt::format("{}: {}", field(fit->at("id")), field(fit->at(measure)));
             lobes.points.push_back({j, error, text});
             bytes.points.push_back({size, error, text});
-            if (!is_ggx) min_lobes = std::min(min_lobes, j), max_lobes = std::max(max_lobes, j);
+            if (!is_ggx) {
+                min_lobes = std::min(min_lobes, j);
+                max_lobes = std::max(max_lobes, j);
+            }
         }
         if (lobes.points.empty()) continue;
         legend += key_of(colour, curve.dash, curve.name);
@@ -409,24 +419,25 @@ std::string frames_of(const Tables& tables, const Json& material) {
         const std::string name =
             fit == nullptr ? "a constant, for comparison"
                            : title_of(*fit) + (frames->at("drawn") == "by index texture" ? ", by index texture" : "");
-        std::vector<std::string> cells{number(fit, "lobes", As::whole), number(fit, "variates", As::whole)};
+        std::vector<std::string> cells{number(fit, "lobes", NumberFormat::whole),
+                                       number(fit, "variates", NumberFormat::whole)};
         for (const char* column : {"data_bytes", "auxiliary_bytes", "total_bytes"})
-            cells.push_back(number(frames, column, As::whole));
-        cells.push_back(number(frames, "frames_per_second", As::plain));
+            cells.push_back(number(frames, column, NumberFormat::whole));
+        cells.push_back(number(frames, "frames_per_second", NumberFormat::plain));
         html += row(html_escaped(name), cells);
     }
     for (const Json* source : rows_with(tables.source, "material", material["source_material"])) {
         std::vector<std::string> cells;
         for (const char* column : {"lobes", "variates", "payload_bytes", "auxiliary_bytes"})
-            cells.push_back(number(source, column, As::whole));
+            cells.push_back(number(source, column, NumberFormat::whole));
         cells.push_back("–");
-        cells.push_back(fmt::format("{} to {}", number(source, "least_frames_per_second", As::whole),
-                                    number(source, "most_frames_per_second", As::whole)));
+        cells.push_back(fmt::format("{} to {}", number(source, "least_frames_per_second", NumberFormat::whole),
+                                    number(source, "most_frames_per_second", NumberFormat::whole)));
         html += row(fmt::format("Tsai 2009, {}, {}", source->at("model") == "su" ? "view by view" : "multivariate",
                                 cell_html(*source, "renderer")),
                     cells, "tsai");
     }
-    const auto first_number = [&](const char* column) { return number(rows[0], column, As::whole); };
+    const auto first_number = [&](const char* column) { return number(rows[0], column, NumberFormat::whole); };
     return table({{"model"}, {"J"}, {"N"}, {"bytes read"}, {"auxiliary bytes"}, {"total bytes"}, {"frames per second"}},
                  html) +
            fmt::format(
@@ -441,8 +452,10 @@ std::string lobes_of(const Tables& tables, const Json& material, const Study& st
     for (const char* role : k_roles)
         if (picture_of(tables, material, "ball", role))
             legend += key_of(fmt::format("var(--{})", role), "", role_title(role));
-    for (const Json& slice : study.material.at("lobes"))
-        linear += slice["linear"].get<std::string>(), logarithmic += slice["logarithmic"].get<std::string>();
+    for (const Json& slice : study.material.at("lobes")) {
+        linear += slice["linear"].get<std::string>();
+        logarithmic += slice["logarithmic"].get<std::string>();
+    }
     for (const Json& scan : study.material.value("scans", Json::array())) scans += scan.get<std::string>();
     if (!scans.empty())
         scans = "<p>Samples in the plane of incidence (points) and the fits (lines):</p>\n<div class='polar'>" + scans +
@@ -462,13 +475,15 @@ std::string lead_html(const Tables& tables, const Json& material) {
         "bytes. {} fits; masked {}, clamped {}.</p>\n",
         verdict_text(material["verdict"]),
         error.is_number() ? fmt::format(": ΔE_ITP {} on average, {} in the worst of eight lightings",
-                                        number(error, As::plain), number(default_fit, "worst_delta_e_itp", As::plain))
+                                        number(error, NumberFormat::plain),
+                                        number(default_fit, "worst_delta_e_itp", NumberFormat::plain))
                           : "",
-        cell_html(material, "format"), number(&material, "source_bytes", As::whole),
-        material["input"] == "samples" ? number(fit, "samples", As::whole) + " samples as RGB floats"
+        cell_html(material, "format"), number(&material, "source_bytes", NumberFormat::whole),
+        material["input"] == "samples" ? number(fit, "samples", NumberFormat::whole) + " samples as RGB floats"
                                        : "as a matrix of pairs of directions in RGB floats",
-        number(fit, "raw_bytes", As::whole), number(&material, "fits", As::whole),
-        number(&material, "masked_samples", As::whole), number(&material, "clamped_samples", As::whole));
+        number(fit, "raw_bytes", NumberFormat::whole), number(&material, "fits", NumberFormat::whole),
+        number(&material, "masked_samples", NumberFormat::whole),
+        number(&material, "clamped_samples", NumberFormat::whole));
     for (const Json* failure : rows_with(tables.failures, "material", material["material"]))
         html += fmt::format("<p class='wrong'>{} failed: {}</p>\n", cell_html(*failure, "id"),
                             cell_html(*failure, "error"));

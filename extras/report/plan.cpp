@@ -35,7 +35,9 @@ struct Plan {
 
     void add(decltype(FitRequest::model) model, Objective objective, std::string id, std::string role) {
         FitRequest request;
-        request.model = std::move(model), request.objective = objective, request.threads = threads;
+        request.model = std::move(model);
+        request.objective = objective;
+        request.threads = threads;
         for (FitPlan& other : fits)
             if (!role.empty() && other.role == role) other.role.clear();
         const auto existing = std::ranges::find(fits, id, &FitPlan::id);

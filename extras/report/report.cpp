@@ -52,19 +52,19 @@ void study_all(std::vector<MaterialEntry>& materials, const std::vector<std::str
     for (std::size_t i = 0; i < materials.size(); ++i)
         if (materials[i].error.empty() && !(materials[i].study = load_study(folders[i]))) missing.push_back(i);
     ProgressLine line;
-    Board board(std::max<std::size_t>(missing.size(), 1), line);
+    JobProgress shown(std::max<std::size_t>(missing.size(), 1), line);
     in_jobs(missing.size(), options.jobs, [&](std::size_t index) {
         MaterialEntry& material = materials[missing[index]];
         auto study =
             make_study(material.file, folders[missing[index]], options, [&](const std::string& stage, double part) {
-                board.show(index, fmt::format("{} of {}, {}: {}", index + 1, missing.size(), material.name, stage),
+                shown.show(index, fmt::format("{} of {}, {}: {}", index + 1, missing.size(), material.name, stage),
                            part);
             });
         if (study)
             material.study = *std::move(study);
         else
             material.error = message(study.error());
-        board.show(index, material.name, 1);
+        shown.show(index, material.name, 1);
     });
 
     // Frames are timed while nothing else runs.

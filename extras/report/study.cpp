@@ -70,7 +70,8 @@ class StudyMaker {
                           {"version", SRBF_VERSION},
                           {"sweep", name(options_.sweep)}};
         drawn_.subjects.push_back({file, *std::move(measured)});
-        drawn_.roles.emplace_back("measured"), drawn_.ids.emplace_back("measured");
+        drawn_.roles.emplace_back("measured");
+        drawn_.ids.emplace_back("measured");
         const auto written = [&]() -> Result<Done> {
             if (const auto done = fit(study); !done) return done.error();
             if (const auto done = draw_lobes(study); !done) return done.error();
@@ -114,10 +115,12 @@ class StudyMaker {
             if (const auto saved = save_model(model, path(file_fit.output)); !saved) return saved.error();
             if (planned[i].role.empty()) continue;
             drawn_.subjects.push_back({file_fit.output, std::move(model)});
-            drawn_.roles.push_back(planned[i].role), drawn_.ids.push_back(planned[i].id);
+            drawn_.roles.push_back(planned[i].role);
+            drawn_.ids.push_back(planned[i].id);
         }
         if (rows.empty() && first_error) return *first_error;
-        study.material["fits"] = std::move(rows), study.material["failures"] = std::move(failures);
+        study.material["fits"] = std::move(rows);
+        study.material["failures"] = std::move(failures);
         study.times["fit_seconds"] = std::move(seconds);
         return Done{};
     }

@@ -167,8 +167,10 @@ void add_material(Tables& tables, const MaterialEntry& entry) {
     row["source_material"] = source_material(entry);
     row["verdict"] = verdict_of(study);
     const Json &fits = study.material.at("fits"), &failures = study.material.at("failures");
-    row["masked_samples"] = fits[0]["masked_samples"], row["clamped_samples"] = fits[0]["clamped_samples"];
-    row["fits"] = fits.size(), row["failed_fits"] = failures.size();
+    row["masked_samples"] = fits[0]["masked_samples"];
+    row["clamped_samples"] = fits[0]["clamped_samples"];
+    row["fits"] = fits.size();
+    row["failed_fits"] = failures.size();
     for (const char* key : {"threads", "jobs", "load_seconds", "study_seconds"}) row[key] = study.times.at(key);
     row["frames_error"] = entry.frame_error;
     tables.materials.rows.push_back(std::move(row));

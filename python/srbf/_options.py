@@ -24,19 +24,19 @@ def one_of(name: str, value: Any, names: Sequence[str]) -> str:
     return value
 
 
-def integer(name: str, value: Any, least: int, most: int) -> int:
+def integer(name: str, value: Any, low: int, high: int) -> int:
     try:
         number = operator.index(value)
     except TypeError:
         number = None
-    if number is None or isinstance(value, bool) or not least <= number <= most:
-        raise ValueError(f"{name}: expected a whole number {least} to {most}, found {value!r}")
+    if number is None or isinstance(value, bool) or not low <= number <= high:
+        raise ValueError(f"{name}: expected a whole number {low} to {high}, found {value!r}")
     return number
 
 
-def number(name: str, value: Any, least: float, most: float) -> float:
-    if isinstance(value, (str, bool)) or not hasattr(value, "__float__") or not least <= float(value) <= most:
-        raise ValueError(f"{name}: expected a number {least:g} to {most:g}, found {value!r}")
+def number(name: str, value: Any, low: float, high: float) -> float:
+    if isinstance(value, (str, bool)) or not hasattr(value, "__float__") or not low <= float(value) <= high:
+        raise ValueError(f"{name}: expected a number {low:g} to {high:g}, found {value!r}")
     return float(value)
 
 
@@ -47,7 +47,7 @@ def flag(name: str, value: Any) -> bool:
 
 
 def threads(value: Any) -> int:
-    return integer("threads", value, 0, _srbf.most_threads)
+    return integer("threads", value, 0, _srbf.max_threads)
 
 
 def read(columns: Any, quantity: Any, floor: Any) -> tuple[str, str, float]:

@@ -28,6 +28,8 @@ inline Error no_data_error(std::string source, std::string what, std::string exp
     return {std::move(source), {}, std::move(what), std::move(expected), "none", ErrorCode::no_data};
 }
 
+inline constexpr int k_max_threads = 1024;
+
 /// Returns an error unless min ≤ found ≤ max.
 template <typename Number>
 Result<Done> require_range(const char* source, const char* what, Number found, Number min, Number max) {

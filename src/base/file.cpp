@@ -249,34 +249,6 @@ Result<std::size_t> FileReader::read(std::uint64_t offset, std::span<std::byte> 
     });
 }
 
-Result<std::optional<std::string_view>> FileLines::next() {
-    for (;;) {
-        if (const auto line = lines_.next()) return line;
-        if (at_end_) return std::optional<std::string_view>();
-        if (const auto read = read_block(); !read) return read.error();
-    }
-}
-
-Result<Done> FileLines::read_block() {
-    constexpr std::size_t k_block = std::size_t(1) << 20;
-    lines_before_ += lines_.number();
-    lines_ = Lines({});
-    std::vector<std::byte> block(block_.begin() + std::ptrdiff_t(complete_), block_.end());  // begins the next line
-    const std::size_t kept = block.size();
-    block.resize(k_block);
-    const auto count = file_.read(std::span(block).subspan(kept));
-    if (!count) return count.error();
-    block.resize(kept + *count);
-    at_end_ = block.size() < k_block;
-    const auto end = std::find(block.rbegin(), block.rend(), std::byte('\n'));
-    complete_ = at_end_ ? block.size() : std::size_t(block.rend() - end);
-    if (complete_ == 0 && !at_end_)
-        return at_line(file_.path(), number() + 1, "length", fmt::format("less than {} bytes", k_block), "more");
-    block_ = std::move(block);
-    lines_ = Lines(as_text(std::span(block_).first(complete_)));
-    return Done{};
-}
-
 Result<Done> write_file(const std::string& path, std::span<const std::byte> bytes) {
     return publish(Replacement::write(path, bytes));
 }

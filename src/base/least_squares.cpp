@@ -58,7 +58,11 @@ struct ActiveSet {
             const double limit = goal < 0 ? 0.0 : upper[i];
             if (goal >= 0 && goal <= upper[i]) continue;
             const double t = goal == x[i] ? 0 : (limit - x[i]) / (goal - x[i]);
-            if (t < fraction) fraction = std::max(t, 0.0), crossed = i, bound = goal < 0 ? at_zero : at_upper;
+            if (t < fraction) {
+                fraction = std::max(t, 0.0);
+                crossed = i;
+                bound = goal < 0 ? at_zero : at_upper;
+            }
         }
         for (std::size_t k = 0; k < passive.size(); ++k)
             x[passive[k]] += fraction * (target[Eigen::Index(k)] - x[passive[k]]);

@@ -73,7 +73,9 @@ void evaluate(const Parts<B>& parts, std::span<const Vec3f> wl, std::span<const 
         const auto at = to_part_frame(wl[i], wv[i]);
         if (!at) continue;
         const auto part = std::size_t(at->part);
-        where[part].push_back(i), lights[part].push_back(at->wl), views[part].push_back(at->wv);
+        where[part].push_back(i);
+        lights[part].push_back(at->wl);
+        views[part].push_back(at->wv);
     }
     for (std::size_t part = 0; part < k_parts; ++part) {
         const PartSource<B> used = part_source(parts, Part(part));

@@ -66,8 +66,11 @@ inline Channels rgb_channels(Evaluate brdf) {
                 require_equal_lengths(3 * wl.size(), 3 * wv.size(), f.size());
                 std::vector<Rgb> colour(wl.size());
                 brdf(wl, wv, colour);
-                for (std::size_t i = 0; i < colour.size(); ++i)
-                    f[3 * i] = colour[i].r, f[3 * i + 1] = colour[i].g, f[3 * i + 2] = colour[i].b;
+                for (std::size_t i = 0; i < colour.size(); ++i) {
+                    f[3 * i] = colour[i].r;
+                    f[3 * i + 1] = colour[i].g;
+                    f[3 * i + 2] = colour[i].b;
+                }
             }};
 }
 inline std::vector<Channels> rgb_channels(std::span<const Evaluate> brdfs) {

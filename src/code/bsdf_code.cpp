@@ -242,7 +242,8 @@ Result<std::string> print_functions(const Caller& caller, Program program, const
         const std::string& function = program.functions[i].name;
         names[function] = (i < known ? caller.stub_prefix : caller.name + "_") + function;
     }
-    names["sample_light"] = caller.name + "_sample", names["light_pdf"] = caller.name + "_pdf";
+    names["sample_light"] = caller.name + "_sample";
+    names["light_pdf"] = caller.name + "_pdf";
     names["directional_albedo"] = caller.name + "_albedo";
     syntax::Printer printer(language, names);
     std::string all;

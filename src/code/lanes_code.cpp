@@ -15,26 +15,12 @@ namespace {
 
 /// kernel.glsl reads models by these functions, which runtime_host.h defines.
 constexpr const char* k_supplied = R"(
-int pm_lobes(Pm pm);
-int pm_variates(Pm pm);
-int pm_features(Pm pm);
-bool pm_axial(Pm pm);
-bool pm_reciprocal(Pm pm);
-bool pm_down(Pm pm, int j, int n);
-Real pm_weight_l(Pm pm, int n);
-Real pm_weight_v(Pm pm, int n);
-Real pm_log2_scale(Pm pm, int j);
-Real pm_log2_falloff(Pm pm, int j, int n);
-Real pm_exponent(Pm pm, int j, int k);
-Vec3 pm_coefficient(Pm pm, int j);
-Vec3 pm_centre(Pm pm, int j, int n);
-int su_lobes(Su su);
-int su_views(Su su);
-Vec3 su_direction(Su su, int view);
-Vec3 su_centre(Su su, int view, int j);
-Real su_bandwidth(Su su, int view, int j);
-Vec3 su_coefficient(Su su, int view, int j);
-int su_nearest(SuNearest nearest, int k);
+int pm_lobes(Pm pm); int pm_variates(Pm pm); int pm_features(Pm pm); bool pm_axial(Pm pm); bool pm_reciprocal(Pm pm);
+bool pm_down(Pm pm, int j, int n); Real pm_weight_l(Pm pm, int n); Real pm_weight_v(Pm pm, int n);
+Real pm_log2_scale(Pm pm, int j); Real pm_log2_falloff(Pm pm, int j, int n); Real pm_exponent(Pm pm, int j, int k);
+Vec3 pm_coefficient(Pm pm, int j); Vec3 pm_centre(Pm pm, int j, int n); int su_lobes(Su su); int su_views(Su su);
+Vec3 su_direction(Su su, int view); Vec3 su_centre(Su su, int view, int j); Real su_bandwidth(Su su, int view, int j);
+Vec3 su_coefficient(Su su, int view, int j); int su_nearest(SuNearest nearest, int k);
 )";
 
 /// kernel.glsl, preceded by declarations of the functions that the host defines.
@@ -82,7 +68,8 @@ std::string kernel_in_c(const std::vector<std::string>& functions, const std::st
     std::vector<std::string> roots = functions;
     std::map<std::string, std::string> names{
         {"Pm", "srbf_pm"}, {"Su", "srbf_su"}, {"SuNearest", "srbf_su_nearest_views"}};
-    for (const std::string& supplied : kernel.supplied) roots.push_back(supplied), names[supplied] = "srbf_" + supplied;
+    roots.insert(roots.end(), kernel.supplied.begin(), kernel.supplied.end());
+    for (const std::string& supplied : kernel.supplied) names[supplied] = "srbf_" + supplied;
     syntax::specialise(program, roots);
     for (const auto& structure : program.structures) names[structure.name] = prefix + structure.name;
     for (const auto& function : program.functions) names.try_emplace(function.name, prefix + function.name);
@@ -120,16 +107,23 @@ std::string value_in_c(const PmModel& model) {
     using K = Kernel<float>;
     const int variates = model.variates, terms = features(model.form), columns = model.axial ? 2 : 4,
               rows = 4 + terms + variates * columns;
-    constexpr int first = 32;
+    // The weights a and b of up to 16 variates stand before the lobes, each of which has one lane of its rows.
+    constexpr int k_lanes = 8, k_max_weights = 16, k_first_lobe = 2 * k_max_weights;
     const int sides = is_reciprocal(model.form) ? 2 : 1;
-    std::vector<float> numbers(std::size_t(first + (model.lobes + 7) / 8 * 8 * rows));
+    std::vector<float> numbers(std::size_t(k_first_lobe + (model.lobes + k_lanes - 1) / k_lanes * k_lanes * rows));
     for (int n = 0; n < sides * variates; ++n) {
         const auto [a, b] = model.parameterization[std::size_t(n % variates)];
-        numbers[std::size_t(n)] = n < variates ? a : b, numbers[std::size_t(16 + n)] = n < variates ? b : a;
+        numbers[std::size_t(n)] = n < variates ? a : b;
+        numbers[std::size_t(k_max_weights + n)] = n < variates ? b : a;
     }
     for (int j = 0; j < model.lobes; ++j) {
-        float* next = &numbers[std::size_t(first + j / 8 * 8 * rows + j % 8)];
-        const auto add = [&](auto number) { *next = float(number), next += 8; };
+        std::size_t next = std::size_t(k_first_lobe + j / k_lanes * k_lanes * rows + j % k_lanes);
+        const auto add = [&](auto... row) {
+            for (const float number : {float(row)...}) {
+                numbers[next] = number;
+                next += k_lanes;
+            }
+        };
         add(K::pm_log2_scale(model, j));
         for (int c = 0; c < 3; ++c) add(model.coefficient[std::size_t(j)][c]);
         for (int k = 0; k < terms; ++k) add(K::pm_exponent(model, j, k));
@@ -137,9 +131,9 @@ std::string value_in_c(const PmModel& model) {
             const double falloff = -K::pm_log2_falloff(model, j, n);
             const Vec3f xi = K::pm_centre(model, j, n);
             if (model.axial)
-                add(xi.z < 0 ? 0 : falloff), add(xi.z < 0 ? falloff : 0);
+                add(xi.z < 0 ? 0 : falloff, xi.z < 0 ? falloff : 0);
             else
-                add(falloff), add(xi.x), add(xi.y), add(xi.z);
+                add(falloff, xi.x, xi.y, xi.z);
         }
     }
     return fmt::format(

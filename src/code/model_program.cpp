@@ -38,9 +38,8 @@ bool any_down(const PmModel& model) {
 }
 Table lobes_of(const PmModel& model, ParameterStorage storage) {
     const auto N = std::size_t(model.variates), F = std::size_t(features(model.form));
-    const char* const variates = !model.axial      ? "the centre and bandwidth of each variate"
-                                 : any_down(model) ? "a bandwidth for each variate, negative where its centre is -z"
-                                                   : "a bandwidth for each variate";
+    std::string variates = model.axial ? "a bandwidth for each variate" : "the centre and bandwidth of each variate";
+    if (any_down(model)) variates += ", negative where its centre is -z";
     Table lobes{fmt::format("A row for each lobe: its {}log scale, {}{}.",
                             storage == ParameterStorage::arguments ? "" : "coefficient (R, G, B) and ", variates,
                             F > 0 ? ", exponents" : ""),
@@ -54,7 +53,8 @@ Table lobes_of(const PmModel& model, ParameterStorage storage) {
         for (std::size_t n = j * N; n < (j + 1) * N; ++n) {
             const Vec3f& xi = model.centre[n];
             if (!model.axial) {
-                lobes.add(xi.x, "centre", 3 * n), lobes.add(xi.y, "centre", 3 * n + 1);
+                lobes.add(xi.x, "centre", 3 * n);
+                lobes.add(xi.y, "centre", 3 * n + 1);
                 lobes.add(xi.z, "centre", 3 * n + 2);
             }
             if (model.axial && xi.z < 0)
@@ -202,7 +202,8 @@ std::string albedo_node_text(const Model& model, ParameterStorage storage, bool 
     }
     const auto& lobes = std::get<PmModel>(model.model);
     const auto J = std::size_t(lobes.lobes);
-    nodes.comment = "Directional albedo of each lobe with coefficient 1, a row for each node.", nodes.columns = J;
+    nodes.comment = "Directional albedo of each lobe with coefficient 1, a row for each node.";
+    nodes.columns = J;
     nodes.numbers.resize(is_used ? k_albedo_nodes * J : 0);
     for (std::size_t j = 0; j < J && is_used; ++j) {
         const std::vector<Rgb> albedo = node_albedos(lobe_alone(lobes, j));
@@ -275,11 +276,17 @@ struct ModelText {
 ModelText print_model(const Model& model, CodeLanguage language, ParameterStorage storage, Program& program) {
     ModelText text{.brdf = brdf_of(model, language, storage, program)};
     if (const auto* pm = std::get_if<PmModel>(&model.model)) {
-        text.accessors = numbers_code(*pm, storage, program), text.kernel = k_pm_text;
-        text.variates = pm->variates, text.terms = std::max(features(pm->form), 1);
-        if (storage == ParameterStorage::arguments) text.handle = coefficients_of(*pm), text.brdf += look_up_text(*pm);
+        text.accessors = numbers_code(*pm, storage, program);
+        text.kernel = k_pm_text;
+        text.variates = pm->variates;
+        text.terms = std::max(features(pm->form), 1);
+        if (storage == ParameterStorage::arguments) {
+            text.handle = coefficients_of(*pm);
+            text.brdf += look_up_text(*pm);
+        }
     } else if (const auto* su = std::get_if<SuModel>(&model.model)) {
-        text.accessors = numbers_code(*su, program), text.kernel = k_su_text;
+        text.accessors = numbers_code(*su, program);
+        text.kernel = k_su_text;
     }
     return text;
 }
@@ -287,7 +294,8 @@ ModelText print_model(const Model& model, CodeLanguage language, ParameterStorag
 /// Replaces the body of a function by its definition in the printed language.
 void set_native(Program& program, std::string_view name, std::string native) {
     syntax::Function& function = *std::ranges::find(program.functions, name, &syntax::Function::name);
-    function.body.clear(), function.native = std::move(native);
+    function.body.clear();
+    function.native = std::move(native);
 }
 
 /// albedo.glsl, in which C recognises a NaN by its bits.
@@ -309,18 +317,17 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
                                                {"SRBF_TERMS", std::to_string(model_text.terms)},
                                                {"MIXTURE_NODES", std::to_string(MixtureProposal::k_nodes)},
                                                {"ALBEDO_NODES", std::to_string(k_albedo_nodes)}};
-    const bool has_albedo = options.albedo || added.albedo, is_mixture = options.sampling || has_albedo;
+    const bool has_albedo = options.albedo || added.albedo, needs_mixture = options.sampling || has_albedo;
     const MixtureProposal proposal = mixture_of(model, options);
-    const std::string mixture = is_mixture ? mixture_numbers_text(proposal, options, program, defines) : std::string(),
-                      nodes = added.albedo_node.empty() ? albedo_node_text(model, storage, has_albedo, program)
-                                                        : added.albedo_node,
-                      more =
-                          added.text ? added.text(model, storage == ParameterStorage::arguments, program, defines) : "";
+    std::string mixture_text = needs_mixture ? mixture_numbers_text(proposal, options, program, defines) : "";
+    mixture_text += k_mixture_text + std::string(k_value_pdf_text);
+    mixture_text +=
+        added.albedo_node.empty() ? albedo_node_text(model, storage, has_albedo, program) : added.albedo_node;
+    mixture_text += albedo_text(options.language);
+    if (added.text) mixture_text += added.text(model, storage == ParameterStorage::arguments, program, defines);
     syntax::parse(model_text.handle + model_text.accessors, program, defines, true);
     syntax::parse(k_common_text + model_text.kernel + model_text.brdf, program, defines);
-    if (is_mixture)
-        syntax::parse(mixture + k_mixture_text + k_value_pdf_text + nodes + albedo_text(options.language) + more,
-                      program, defines);
+    if (needs_mixture) syntax::parse(mixture_text, program, defines);
     if (options.language == CodeLanguage::c && storage == ParameterStorage::constants) {
         if (const auto* pm = std::get_if<PmModel>(&model.model)) set_native(program, "pm_value", value_in_c(*pm));
         if (options.sampling) {

@@ -131,7 +131,7 @@ class Parser {
         expect("struct");
         Structure structure{std::move(comment), word(), {}};
         expect("{");
-        while (comments(), !accept("}")) {
+        for (comments(); !accept("}"); comments()) {
             Variable& member = structure.members.emplace_back();
             member.type = type();
             member.name = word();
@@ -232,6 +232,7 @@ class Parser {
     }
 
     Expression binary(std::size_t level) {
+        constexpr std::size_t k_sums = 4;  // operators of lower levels have truth values
         static const std::array<std::vector<std::string_view>, 6> levels{
             {{"||"}, {"&&"}, {"==", "!="}, {"<", ">", "<=", ">="}, {"+", "-"}, {"*", "/", "%"}}};
         if (level == levels.size()) return unary();
@@ -242,7 +243,7 @@ class Parser {
             const std::string sign = tokens_[next_++].text;
             Expression right = binary(level + 1);
             Type type = left.type.name == "Vec3" ? left.type : right.type;
-            if (level < 4) type = {"bool", ""};
+            if (level < k_sums) type = {"bool", ""};
             left = {Expression::Kind::binary, sign, {std::move(left), std::move(right)}, type};
         }
     }

@@ -145,7 +145,9 @@ const Language& lanes_of_c() {
                      {"log", "srbf_x_log"},
                      {"sqrt", "srbf_x_sqrt"},
                      {"inversesqrt", "srbf_x_inversesqrt"}};
-        row.vector = "srbf_x_vec3_of", row.functions = "srbf_x_", row.has_lanes = true;
+        row.vector = "srbf_x_vec3_of";
+        row.functions = "srbf_x_";
+        row.has_lanes = true;
         return row;
     }();
     return lanes;
@@ -154,25 +156,16 @@ const Language& lanes_of_c() {
 /// Names in the kernel that one of the languages reserves.
 constexpr std::array<std::string_view, 6> k_reserved{"from", "of", "part", "half", "sample", "target"};
 
+constexpr int k_conditional_level = 1, k_unary_level = 8, k_primary_level = 9;
 int precedence(const Expression& expression) {
-    if (expression.kind == EKind::conditional) return 1;
-    if (expression.kind == EKind::unary) return 8;
-    if (expression.kind != EKind::binary) return 9;
-    using Level = std::pair<std::string_view, int>;
-    constexpr std::array<Level, 13> levels{{{"||", 2},
-                                            {"&&", 3},
-                                            {"==", 4},
-                                            {"!=", 4},
-                                            {"<", 5},
-                                            {">", 5},
-                                            {"<=", 5},
-                                            {">=", 5},
-                                            {"+", 6},
-                                            {"-", 6},
-                                            {"*", 7},
-                                            {"/", 7},
-                                            {"%", 7}}};
-    return std::ranges::find(levels, std::string_view(expression.text), &Level::first)->second;
+    if (expression.kind == EKind::conditional) return k_conditional_level;
+    if (expression.kind == EKind::unary) return k_unary_level;
+    if (expression.kind != EKind::binary) return k_primary_level;
+    constexpr std::array<std::string_view, 6> levels{" || ", " && ", " == != ", " < > <= >= ", " + - ", " * / % "};
+    const auto level = std::ranges::find_if(levels, [&](std::string_view operators) {
+        return operators.find(" " + expression.text + " ") != operators.npos;
+    });
+    return k_conditional_level + 1 + int(level - levels.begin());
 }
 
 /// True if a condition depends on numbers, or is a host's bool that does.
@@ -268,10 +261,12 @@ std::string Printer::call_text(const Expression& call) {
 std::string Printer::binary_text(const Expression& binary, int outer) {
     const Expression &left = binary.parts[0], &right = binary.parts[1];
     if (!language_.has_operators && binary.type.name == "Vec3") {
-        const char* name = binary.text == "+" ? "add" : binary.text == "-" ? "subtract" : "scale";
-        const bool swapped = binary.text == "*" && left.type.name == "Vec3";
-        std::string first = expression_text(swapped ? right : left), second = expression_text(swapped ? left : right);
-        return fmt::format("{}{}({}, {})", language_.functions, name, first, second);
+        std::string_view name = "scale";
+        if (binary.text == "+") name = "add";
+        if (binary.text == "-") name = "subtract";
+        const bool is_swapped = binary.text == "*" && left.type.name == "Vec3";
+        const Expression &first = is_swapped ? right : left, &second = is_swapped ? left : right;
+        return fmt::format("{}{}({}, {})", language_.functions, name, expression_text(first), expression_text(second));
     }
     const int inner = precedence(binary);
     const std::string text =
@@ -293,21 +288,21 @@ std::string Printer::expression_text(const Expression& expression, int outer) {
         case EKind::call:
             return call_text(expression);
         case EKind::member:
-            return part(0, 9) + "." + printed_name(expression.text);
+            return part(0, k_primary_level) + "." + printed_name(expression.text);
         case EKind::index: {
             // In C a table is a function, since GPU programs may lack global arrays. In every language the host
             // supplies a function.
             const bool is_table = parts[0].kind == EKind::name && names_.contains(parts[0].text);
             const bool is_supplied = parts[0].type.size.empty();
             const char* brackets = is_table && (!language_.has_operators || is_supplied) ? "()" : "[]";
-            return part(0, 9) + brackets[0] + part(1) + brackets[1];
+            return part(0, k_primary_level) + brackets[0] + part(1) + brackets[1];
         }
         case EKind::unary:
             if (!language_.has_operators && expression.type.name == "Vec3") {
                 const Expression minus_one{EKind::number, "-1.0", {}, {"Real", ""}};
                 return fmt::format("{}scale({}, {})", language_.functions, expression_text(minus_one), part(0));
             }
-            return expression.text + part(0, 8);
+            return expression.text + part(0, k_unary_level);
         case EKind::binary:
             return binary_text(expression, outer);
         case EKind::conditional:
@@ -349,8 +344,8 @@ void Printer::print(const std::vector<Statement>& body, const std::set<std::stri
         switch (statement.kind) {
             case SKind::declare: {
                 const bool is_variable = statement.values.empty() || changed.contains(statement.name);
-                add_line((types_follow ? is_variable ? "var " : "let " : "") +
-                         declaration(statement.type, statement.name) +
+                const std::string keyword = is_variable ? "var " : "let ";
+                add_line((types_follow ? keyword : "") + declaration(statement.type, statement.name) +
                          (statement.values.empty() ? "" : " = " + value(0)) + ";");
                 break;
             }
@@ -364,16 +359,18 @@ void Printer::print(const std::vector<Statement>& body, const std::set<std::stri
                 print_under(fmt::format("if ({})", value(0)), statement.body, changed, depth, text);
                 const std::vector<Statement>& otherwise = statement.otherwise;
                 if (otherwise.empty()) break;
-                std::string rest;
-                if (otherwise.size() == 1 && otherwise[0].kind == SKind::branch && otherwise[0].comment.empty())
-                    print(otherwise, changed, depth, rest), rest.insert(indent.size(), "else ");
-                else
-                    print_under("else", otherwise, changed, depth, rest);
+                std::string else_text;
+                if (otherwise.size() == 1 && otherwise[0].kind == SKind::branch && otherwise[0].comment.empty()) {
+                    print(otherwise, changed, depth, else_text);
+                    else_text.insert(indent.size(), "else ");
+                } else {
+                    print_under("else", otherwise, changed, depth, else_text);
+                }
                 if (!text.ends_with("}\n")) {
-                    text += rest;
+                    text += else_text;
                 } else {
                     text.back() = ' ';
-                    text += rest.substr(indent.size());
+                    text += else_text.substr(indent.size());
                 }
                 break;
             }

@@ -13,11 +13,15 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// The items of a list in C, with commas, in lines of 120 columns.
+/// The items of a list in C, with commas, in indented lines.
 std::string join_rows(const std::vector<std::string>& items) {
+    constexpr std::size_t k_columns_of_items = 114;
     std::string rows, row;
     for (const std::string& item : items) {
-        if (row.size() + item.size() > 114) rows += "    " + row + "\n", row.clear();
+        if (row.size() + item.size() > k_columns_of_items) {
+            rows += "    " + row + "\n";
+            row.clear();
+        }
         row += (row.empty() ? "" : " ") + item + ",";
     }
     return rows + "    " + row + "\n";

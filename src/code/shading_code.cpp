@@ -198,7 +198,8 @@ Result<AddedCode> added_code(const CodeOptions& options) {
         AddedCode added = extra().functions(options);
         if (added.entries.empty()) continue;
         all.entries.merge(added.entries);
-        all.sampling = all.sampling || added.sampling, all.albedo = all.albedo || added.albedo;
+        all.sampling |= added.sampling;
+        all.albedo |= added.albedo;
         all.text = [first = std::move(all.text), next = std::move(added.text)](const auto& model, bool is_basis,
                                                                                auto& program, auto& defines) {
             const std::string before = first ? first(model, is_basis, program, defines) : "";

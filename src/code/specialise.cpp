@@ -72,7 +72,7 @@ void fold(Expression& expression) {
     if (expression.kind == EKind::conditional)
         if (const auto known = truth_value(parts[0])) simpler = parts[*known ? 1 : 2];
     if (expression.kind == EKind::member && parts[0].kind == EKind::call && parts[0].text == "Vec3")
-        simpler = parts[0].parts[expression.text == "x" ? 0 : expression.text == "y" ? 1 : 2];
+        simpler = parts[0].parts[std::size_t(expression.text[0] - 'x')];
     if (expression.kind == EKind::unary && expression.text == "!")
         if (const auto known = truth_value(parts[0])) simpler = truth(!*known);
     if (simpler) expression = Expression(*simpler);

@@ -72,7 +72,8 @@ struct Table {
     std::vector<std::pair<std::string, std::size_t>> sources = {};
 
     void add(float x, std::string_view parameter, std::size_t index) {
-        numbers.push_back(x), sources.emplace_back(parameter, index);
+        numbers.push_back(x);
+        sources.emplace_back(parameter, index);
     }
 };
 

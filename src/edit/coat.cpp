@@ -30,13 +30,14 @@ struct Rings {
         return k_pi * (squared_sine(ring + 1) - squared_sine(ring));
     }
     /// The two rings nearest to a direction, and the fraction t of the second.
-    struct Place {
+    struct RingPosition {
         int first;
         double t;
-        explicit Place(double cosine) {
-            const double at = std::clamp(elementary::acos(std::min(cosine, 1.0)) * k_count / (k_pi / 2) - 0.5, 0.0,
-                                         double(k_count - 1));
-            first = std::min(int(at), k_count - 2), t = at - first;
+        explicit RingPosition(double cosine) {
+            const double position = std::clamp(elementary::acos(std::min(cosine, 1.0)) * k_count / (k_pi / 2) - 0.5,
+                                               0.0, double(k_count - 1));
+            first = std::min(int(position), k_count - 2);
+            t = position - first;
         }
     };
 };
@@ -55,9 +56,9 @@ class Layer {
         for (std::size_t m = 0; m < k_harmonics; ++m)
             for (std::size_t c = 0; c < 3; ++c) {
                 const Eigen::MatrixXd& once = base_harmonics[m][c];
-                const Eigen::MatrixXd again = (m % 2 ? -1.0 : 1.0) * once * returned.asDiagonal();
-                const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(Rings::k_count, Rings::k_count) - again;
-                repeated_[m][c] = (m ? 2 : 1) * rest.partialPivLu().solve(again * once);
+                const Eigen::MatrixXd repeated = (m % 2 ? -1.0 : 1.0) * once * returned.asDiagonal();
+                const Eigen::MatrixXd remaining = Eigen::MatrixXd::Identity(Rings::k_count, Rings::k_count) - repeated;
+                repeated_[m][c] = (m ? 2 : 1) * remaining.partialPivLu().solve(repeated * once);
             }
     }
 
@@ -72,11 +73,12 @@ class Layer {
         const double passed = transmitted(l.z) * transmitted(v.z) / (n * n);
         const double cosine_l = refracted(l).z, cosine_v = refracted(v).z;
         const double power = 0.5 * (1 / cosine_l + 1 / cosine_v);
-        const std::array<double, 3> again = repeated_at(l, v, Rings::Place(cosine_l), Rings::Place(cosine_v));
+        const std::array<double, 3> repeated =
+            repeated_at(l, v, Rings::RingPosition(cosine_l), Rings::RingPosition(cosine_v));
         Rgb f;
         for (int c = 0; c < 3; ++c) {
             const double tint = coat_.tint[c] < 1 ? elementary::pow(std::max(double(coat_.tint[c]), 1e-6), power) : 1;
-            f[c] = float(reflected + passed * tint * std::max(double(below[c]) + again[std::size_t(c)], 0.0));
+            f[c] = float(reflected + passed * tint * std::max(double(below[c]) + repeated[std::size_t(c)], 0.0));
         }
         return f;
     }
@@ -87,7 +89,7 @@ class Layer {
     static constexpr std::size_t k_harmonics = 6;
     using Harmonics = std::array<std::array<Eigen::MatrixXd, 3>, k_harmonics>;
 
-    std::array<double, 3> repeated_at(Vec3d l, Vec3d v, Rings::Place at_l, Rings::Place at_v) const {
+    std::array<double, 3> repeated_at(Vec3d l, Vec3d v, Rings::RingPosition at_l, Rings::RingPosition at_v) const {
         const double sines = std::sqrt((l.x * l.x + l.y * l.y) * (v.x * v.x + v.y * v.y));
         const double cosine = sines > 1e-9 ? (l.x * v.x + l.y * v.y) / sines : 1;
         std::array<double, 3> sum{};
@@ -114,7 +116,7 @@ class Layer {
         return 1 - reflected;
     }
     double transmitted(double cosine) const {
-        const Rings::Place at(cosine);
+        const Rings::RingPosition at(cosine);
         return (1 - at.t) * passed_[std::size_t(at.first)] + at.t * passed_[std::size_t(at.first) + 1];
     }
     /// The fraction of light from below that passes the interface: by reciprocity `passed_` at the refracted direction.

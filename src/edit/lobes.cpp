@@ -9,39 +9,42 @@ namespace SRBF_NAMESPACE {
 namespace {
 
 /// The light that a lobe reflects at some views.
-struct Reflected {
+struct LobeReflection {
     Rgb albedo;     ///< the sum
     double spread;  ///< see `spread`
 };
-Reflected reflected(const PmModel& model, int lobe) {
+LobeReflection reflection_of(const PmModel& model, int lobe) {
     constexpr double k_views[] = {5 * k_degree, 45 * k_degree, 70 * k_degree};
     constexpr int k_light_directions = 4096;
     const PmModel alone = only_lobe(model, lobe);
     const MirrorMixture mixture(k_pi / 2);
-    Reflected total{};
-    double across = 0, lambert_across = 0;
+    LobeReflection total{};
+    double squared_sines = 0, lambert_squared_sines = 0;  // means, times the albedo
     for (const double theta : k_views) {
         const Vec3d wv = spherical(theta, 0.0);
         const Quadrature light = mixture.quadrature(wv, k_light_directions);
         const std::vector<Rgb> f = values_towards(evaluator(alone), light.w, to_float(wv));
-        double albedo = 0, mean = 0;
+        double albedo = 0, lambert_mean = 0;
         for (std::size_t i = 0; i < f.size(); ++i) {
             const double weight = light.weight[i] * double(light.w[i].z), value = largest_of(f[i]);
             const Vec3d sum = to_double(light.w[i]) + wv;
             const double squared_sine = 1 - sum.z * sum.z / dot(sum, sum);
-            albedo += weight * value, across += weight * value * squared_sine, mean += weight / k_pi * squared_sine;
+            albedo += weight * value;
+            squared_sines += weight * value * squared_sine;
+            lambert_mean += weight / k_pi * squared_sine;
             for (int c = 0; c < 3; ++c) total.albedo[c] += float(weight) * f[i][c];
         }
-        lambert_across += albedo * mean;
+        lambert_squared_sines += albedo * lambert_mean;
     }
-    total.spread = lambert_across > 0 ? across / lambert_across : 0;
+    total.spread = lambert_squared_sines > 0 ? squared_sines / lambert_squared_sines : 0;
     return total;
 }
 
-/// The distance of the chromaticities of two colours; large if one is black.
+/// The distance of the chromaticities of two colours, at most √2; k_distance_of_black if one is black.
+constexpr double k_distance_of_black = 10;
 double chromatic_distance(const Rgb& a, const Rgb& b) {
     const double sum_a = 3 * mean_of(a), sum_b = 3 * mean_of(b);
-    if (!(sum_a > 0 && sum_b > 0)) return 10;
+    if (!(sum_a > 0 && sum_b > 0)) return k_distance_of_black;
     double sum = 0;
     for (int c = 0; c < 3; ++c) sum += elementary::square(double(a[c]) / sum_a - double(b[c]) / sum_b);
     return std::sqrt(sum);
@@ -65,15 +68,15 @@ PmModel with_variate(PmModel model, Parameterization variate) {
     return model;
 }
 
-/// Adds the lobes of `b`, whose variate n is number place[n] of the model.
-void append_lobes(PmModel& model, const PmModel& b, std::span<const std::size_t> place) {
+/// Adds the lobes of `b`, whose variate n is number index[n] of the model.
+void append_lobes(PmModel& model, const PmModel& b, std::span<const std::size_t> index) {
     const auto N = std::size_t(model.variates), variates_b = std::size_t(b.variates);
     for (std::size_t j = 0; j < std::size_t(b.lobes); ++j) {
         const std::size_t first = model.bandwidth.size();
         model.centre.resize(first + N, Vec3f(0, 0, 1)), model.bandwidth.resize(first + N);
         for (std::size_t n = 0; n < variates_b; ++n) {
-            model.centre[first + place[n]] = b.centre[j * variates_b + n];
-            model.bandwidth[first + place[n]] = b.bandwidth[j * variates_b + n];
+            model.centre[first + index[n]] = b.centre[j * variates_b + n];
+            model.bandwidth[first + index[n]] = b.bandwidth[j * variates_b + n];
         }
     }
     const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
@@ -97,7 +100,8 @@ PmModel in_form(PmModel model, PmForm form) {
     std::vector<float> exponent;
     for (std::size_t j = 0; j < std::size_t(model.lobes); ++j)
         for (std::size_t k = 0; k < wanted; ++k) exponent.push_back(k < F ? model.exponent[j * F + k] : 0);
-    model.exponent = std::move(exponent), model.form = form;
+    model.exponent = std::move(exponent);
+    model.form = form;
     return model;
 }
 
@@ -110,30 +114,32 @@ PmForm common_form(PmForm a, PmForm b) {
 
 }  // namespace
 
-double spread(const PmModel& model, int lobe) { return reflected(model, lobe).spread; }
+double spread(const PmModel& model, int lobe) { return reflection_of(model, lobe).spread; }
 
 std::vector<double> body_fractions(const PmModel& model) {
     constexpr double k_much_nearer = 0.5, k_min_fraction_of_body = 0.05;
-    std::vector<Reflected> lobes;
-    Rgb highlight, body, all;
+    std::vector<LobeReflection> lobes;
+    Rgb highlight, body, total;
     for (int j = 0; j < model.lobes; ++j) {
-        const Reflected& lobe = lobes.emplace_back(reflected(model, j));
-        Rgb* const part = lobe.spread >= k_min_body_spread       ? &body
-                          : lobe.spread < k_max_highlight_spread ? &highlight
-                                                                 : nullptr;
+        const LobeReflection& lobe = lobes.emplace_back(reflection_of(model, j));
+        Rgb* part = nullptr;
+        if (lobe.spread >= k_min_body_spread) part = &body;
+        if (lobe.spread < k_max_highlight_spread) part = &highlight;
         for (int c = 0; c < 3; ++c) {
-            all[c] += lobe.albedo[c];
+            total[c] += lobe.albedo[c];
             if (part) (*part)[c] += lobe.albedo[c];
         }
     }
-    const bool has_body = mean_of(body) >= k_min_fraction_of_body * mean_of(all);
+    const bool has_body = mean_of(body) >= k_min_fraction_of_body * mean_of(total);
     std::vector<double> fractions;
-    for (const Reflected& lobe : lobes) {
+    for (const LobeReflection& lobe : lobes) {
         const bool has_its_colour =
             chromatic_distance(lobe.albedo, body) < k_much_nearer * chromatic_distance(lobe.albedo, highlight);
-        const double linear = (lobe.spread - k_max_highlight_spread) / (1 - k_max_highlight_spread);
-        const double between = !has_body ? 0 : has_its_colour ? 1 : linear;
-        fractions.push_back(lobe.spread >= k_min_body_spread ? 1 : lobe.spread < k_max_highlight_spread ? 0 : between);
+        double fraction = (lobe.spread - k_max_highlight_spread) / (1 - k_max_highlight_spread);
+        if (has_its_colour) fraction = 1;
+        if (!has_body || lobe.spread < k_max_highlight_spread) fraction = 0;
+        if (lobe.spread >= k_min_body_spread) fraction = 1;
+        fractions.push_back(fraction);
     }
     return fractions;
 }
@@ -201,17 +207,18 @@ PmModel widened(PmModel model, double factor) {
 
 PmModel join_lobes(PmModel a, PmModel b) {
     const PmForm form = common_form(a.form, b.form);
-    a = in_form(std::move(a), form), b = in_form(std::move(b), form);
+    a = in_form(std::move(a), form);
+    b = in_form(std::move(b), form);
     a.axial = a.axial && b.axial;
     const std::size_t count = a.parameterization.size();
-    std::vector<std::size_t> place;
+    std::vector<std::size_t> index;
     for (const Parameterization& p : b.parameterization) {
         std::size_t n = 0;
-        while (n < count && (!(a.parameterization[n] == p) || std::ranges::count(place, n))) ++n;
-        place.push_back(n < count ? n : a.parameterization.size());
+        while (n < count && (!(a.parameterization[n] == p) || std::ranges::count(index, n))) ++n;
+        index.push_back(n < count ? n : a.parameterization.size());
         if (n == count) a = with_variate(std::move(a), p);
     }
-    append_lobes(a, b, place);
+    append_lobes(a, b, index);
     return a;
 }
 

@@ -21,15 +21,15 @@ struct Roughening {
 
 double roughness_of(const Evaluate& highlight) {
     constexpr int k_steps = 512;
-    constexpr double k_steepest = 80 * k_degree, k_apart = 30 * k_degree;
+    constexpr double k_steepest = 80 * k_degree, k_half_angle = 30 * k_degree;
     std::vector<Vec3f> wl, wv;
     std::vector<Rgb> f(k_steps);
-    std::vector<double> slope, fraction;  // slopes, and shares of the facets' projected area up to them
+    std::vector<double> slope, area;  // slopes, and the facets' projected area up to them
     for (int i = 0; i < k_steps; ++i) {
         const double theta = k_steepest * elementary::square((i + 0.5) / k_steps);
-        const Vec3d h = spherical(theta, 0.0), across{0, elementary::sin(k_apart), 0};
-        const Vec3d middle = elementary::cos(k_apart) * h;
-        wl.push_back(to_float(middle + across)), wv.push_back(to_float(middle - across));
+        const Vec3d h = spherical(theta, 0.0), across{0, elementary::sin(k_half_angle), 0};
+        const Vec3d centre = elementary::cos(k_half_angle) * h;
+        wl.push_back(to_float(centre + across)), wv.push_back(to_float(centre - across));
         slope.push_back(elementary::sin(theta) / h.z);
     }
     highlight(wl, wv, f);
@@ -38,10 +38,10 @@ double roughness_of(const Evaluate& highlight) {
         // f cosθl cosθv is D up to a factor, and D cosθh sinθh dθh the projected area. dθh grows with i.
         const double step = (double(i) + 0.5) * slope[i] / (1 + slope[i] * slope[i]);
         sum += luminance(f[i]) * cosines(wl[i], wv[i]) * step;
-        fraction.push_back(sum);
+        area.push_back(sum);
     }
     if (!(sum > 0)) return 0;
-    return slope[std::size_t(std::ranges::lower_bound(fraction, 0.5 * sum) - fraction.begin())];
+    return slope[std::size_t(std::ranges::lower_bound(area, 0.5 * sum) - area.begin())];
 }
 
 Evaluate apply_roughening(Evaluate highlight, double factor, double roughness) {
@@ -58,8 +58,8 @@ Evaluate apply_roughening(Evaluate highlight, double factor, double roughness) {
             }
             highlight(from_l, from_v, f);
             for (std::size_t i = 0; i < f.size(); ++i) {
-                const auto by = above_horizon(wl[i], wv[i]) ? float(gain[i]) : 0;
-                f[i] = scaled(by, f[i]);
+                const auto factor_of_f = above_horizon(wl[i], wv[i]) ? float(gain[i]) : 0;
+                f[i] = scaled(factor_of_f, f[i]);
             }
         };
 }

@@ -14,11 +14,25 @@ double smooth_step(double a, double b, double x) {
 constexpr double k_horizon_height = 0.1;  ///< sky and ground blend within this height above and below the horizon
 constexpr double k_soft_edge = 0.1;       ///< the soft edge of a source, as a fraction of the cosine's range over it
 
+/// How far the sky in a direction of this height is from horizon to zenith, and the fraction of the sky beside the
+/// ground.
+struct SkyBlend {
+    double towards_zenith, sky;
+    explicit SkyBlend(double height)
+        : towards_zenith(smooth_step(0, 1, height)), sky(smooth_step(-k_horizon_height, k_horizon_height, height)) {}
+};
+
 }  // namespace
 
+Vec3d sky_fractions(double height) {
+    const SkyBlend blend(height);
+    return {blend.sky * blend.towards_zenith, blend.sky * (1 - blend.towards_zenith), 1 - blend.sky};
+}
+
 Rgb radiance(const Lighting& lighting, Vec3d w) {
-    const Rgb sky = mixed(lighting.horizon, lighting.zenith, float(smooth_step(0, 1, w.y)));
-    Rgb sum = mixed(lighting.ground, sky, float(smooth_step(-k_horizon_height, k_horizon_height, w.y)));
+    const SkyBlend blend(w.y);
+    const Rgb sky = mixed(lighting.horizon, lighting.zenith, float(blend.towards_zenith));
+    Rgb sum = mixed(lighting.ground, sky, float(blend.sky));
     for (const Lighting::Source& source : lighting.sources) {
         if (source.radius == 0) continue;
         const double cosine = dot(w, source.direction), radius = source.radius * k_degree;

@@ -104,7 +104,8 @@ std::vector<Measures> measure(const Channels& reference, std::span<const Channel
     return measures;
 }
 
-constexpr int k_compared_albedo_points = 1 << 16;
+constexpr int k_single_albedo_points = 1 << 16;    ///< of `albedo`
+constexpr int k_compared_albedo_points = 1 << 14;  ///< of each view whose albedos are compared
 
 /// The albedos [angle][BRDF] at the given angles [rad], over the pairs at which the first BRDF was measured.
 std::vector<std::vector<Rgb>> albedos(std::span<const Evaluate> brdfs, std::span<const double> theta_v,
@@ -200,7 +201,7 @@ Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, s
 Rgb albedo(const Evaluate& brdf, double theta_v, double max_theta) {
     const StandardArithmetic mode;
     const Vec3d wv = spherical(theta_v, 0.0);
-    const Quadrature light = albedo_quadrature(wv, max_theta, k_compared_albedo_points);
+    const Quadrature light = albedo_quadrature(wv, max_theta, k_single_albedo_points);
     const auto [r, g, b] = weighted_sum(values_towards(brdf, light.w, to_float(wv)), light.weight);
     return {float(r), float(g), float(b)};
 }

@@ -18,15 +18,17 @@ inline constexpr std::array<double, 4> k_albedo_theta{0, 30, 60, 75};
 /// Names of a measure in output.
 struct MeasureName {
     const char* name;   ///< name in JSON and provenance
-    const char* title;  ///< title in tables
+    const char* title;  ///< title in tables; two leading blanks: it continues the title of the row before
     double Measures::*member;
     bool is_ratio;  ///< printed in per cent; otherwise the root of a mean, divided by `unit`
     double unit = 1;
+    const char* full_title = title;  ///< title in a sentence
 };
 inline constexpr double k_log_10 = 2.302585092994045684;  // ln 10
 inline constexpr std::array<MeasureName, 6> k_measures{{
     {"squared_error_ratio", "squared error ratio", &Measures::squared_error_ratio, true},
-    {"squared_error_ratio_cosine", "  of f cosθl", &Measures::squared_error_ratio_cosine, true},
+    {"squared_error_ratio_cosine", "  of f cosθl", &Measures::squared_error_ratio_cosine, true, 1,
+     "squared error ratio of f cosθl"},
     {"log_rms_cosine", "RMS of log(1 + f cosθl)", &Measures::log_rms_cosine, false},
     {"cube_root_error_ratio", "cube root error ratio", &Measures::cube_root_error_ratio, true},
     {"sixth_root_error_ratio", "sixth root error ratio", &Measures::sixth_root_error_ratio, true},

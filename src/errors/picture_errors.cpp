@@ -113,13 +113,11 @@ std::string headline(const Comparison& found, std::string_view between_sentences
         return std::max(errors) > 2 * std::min(errors) ? ", more than a factor of two apart" : "";
     };
     const char* percent = name.is_ratio ? " %" : "";
-    const bool is_part = name.title[0] == ' ';  // "  of f cosθl"
     return fmt::format("{}, the worst of {:.3g} in pictures, {:.3g} in cross-validation and {:.3g} at the samples{}{}",
                        text, fit, heldout, found.samples_delta_e, apart({fit, heldout, found.samples_delta_e}),
                        between_sentences) +
-           fmt::format("{}{} {:.3g}{} at the samples, {:.3g}{} in cross-validation{}",
-                       is_part ? "squared error ratio" : "", name.title + is_part, at_samples, percent, predicted,
-                       percent, apart({at_samples, predicted}));
+           fmt::format("{} {:.3g}{} at the samples, {:.3g}{} in cross-validation{}", name.full_title, at_samples,
+                       percent, predicted, percent, apart({at_samples, predicted}));
 }
 
 Appearance mean_of(std::span<const Appearance> all) {

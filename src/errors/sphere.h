@@ -19,6 +19,8 @@ struct Lighting {
 };
 /// The radiance from direction w, without sources of radius 0.
 Rgb radiance(const Lighting& lighting, Vec3d w);
+/// The fractions of zenith, horizon and ground in the radiance of any sky from a direction with y = `height`.
+Vec3d sky_fractions(double height);
 
 /// Eight lightings that no fit uses: `overcast`, `window`, `sunset`, `studio`; and four of one directional light each:
 /// `flash` beside the viewer, `lamp`, `side`, and `back` behind the sphere.

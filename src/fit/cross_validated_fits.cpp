@@ -14,7 +14,6 @@
 #include "measured/tables.h"
 #include "models/pm/pm_functions.h"
 #include "observe/pair_weights.h"
-#include "samples/fit_pm_to_samples.h"
 #include "samples/folds.h"
 
 namespace SRBF_NAMESPACE {
@@ -58,7 +57,9 @@ Result<FitOutcome> fit_observed_samples(const ScatteredSamples& samples, const S
                        ? outcome_of(fit_pm(*observed, pm, progress))
                        : fit_by_kind(request, observed->samples, samples.isotropic, progress);
     if (progress.cancelled()) return cancelled_error("fit");
-    if (outcome) outcome->masked = observed->samples.masked, outcome->clamped = observed->samples.clamped;
+    if (!outcome) return outcome;
+    outcome->masked = observed->samples.masked;
+    outcome->clamped = observed->samples.clamped;
     return outcome;
 }
 
@@ -106,21 +107,12 @@ Comparison compared(const ScatteredSamples& samples, const FitRequest& request, 
     std::vector<float> f(predicted.size());
     channels(model).evaluate(samples.wl, samples.wv, f);
     Comparison errors{measured_against(f), measured_against(predicted), 0};
-    errors.samples_delta_e = shown_error(samples, model, request.theta()),
+    errors.samples_delta_e = shown_error(samples, model, request.theta());
     errors.measure = measure_of(request.objective);
     return errors;
 }
 
 }  // namespace
-
-ObserveSamplesOptions observe_options(const FitRequest& request) {
-    return {request.objective,
-            request.theta(),
-            request.seed,
-            request.spectral,
-            std::holds_alternative<PmRequest>(request.model),
-            request.threads};
-}
 
 Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, std::span<const int> fold,
                                   const SampleObservations* observed, const FitRequest& request,
@@ -140,7 +132,7 @@ Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, std::span<con
         PmFitOptions fewer = options;
         fewer.starts = k_fold_starts;
         if (!observed) return fit_observed_samples(training, nullptr, request, fewer, part);
-        const auto fold_fit = observe(training, observe_options(request), part.subrange(0, k_observed_of_fold));
+        const auto fold_fit = observe(training, observe_samples_options(request), part.subrange(0, k_observed_of_fold));
         if (!fold_fit) return fold_fit.error();
         return fit_observed_samples(training, &*fold_fit, request, fewer, part.subrange(k_observed_of_fold, 1));
     };

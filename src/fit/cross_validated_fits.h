@@ -7,9 +7,6 @@
 
 namespace SRBF_NAMESPACE {
 
-/// The options by which a fit of the request observes samples.
-ObserveSamplesOptions observe_options(const FitRequest& request);
-
 /// The requested fit to samples, with errors cross-validated over these folds. If the request has no number of lobes,
 /// it has the largest number of `k_tried_lobes` that the samples determine. `observed` holds all samples, for the
 /// request's objective; it is required unless the model is view by view.

@@ -34,12 +34,12 @@ using Inputs = std::array<Input, k_parts>;
 /// Values at all pairs of some directions, [1/sr]; NaN counts as 0.
 std::vector<Rgb> sampled(const Evaluate& f) {
     const auto directions = fibonacci_directions(k_compared, k_compared_theta);
-    std::vector<Rgb> all, row(directions.size());
+    std::vector<Rgb> values, row(directions.size());
     for (const Vec3f& w : directions) {
         f(directions, std::vector(directions.size(), w), row);
-        for (Rgb& value : row) all.push_back(is_finite(value) ? value : Rgb{});
+        for (Rgb& value : row) values.push_back(is_finite(value) ? value : Rgb{});
     }
-    return all;
+    return values;
 }
 
 /// The energy of the difference of values at these pairs, weighted with both cosines.
@@ -54,7 +54,7 @@ double energy_between(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
 double energy(const std::vector<Rgb>& a) { return energy_between(a, std::vector<Rgb>(a.size())); }
 
 /// True if the model of the front part may be used for the back part.
-bool alike(const Input& front, const Input& back, Part part) {
+bool is_same_part(const Input& front, const Input& back, Part part) {
     const auto a = sampled(front.f), b = sampled(is_transmission(part) ? exchanged(back.f) : back.f);
     return energy_between(a, b) <= k_same_part * energy(a);
 }
@@ -64,24 +64,26 @@ Model black() { return {GgxModel{{}, {GgxModel::Lobe{}}}, {}}; }
 
 std::vector<Hemispherical> hemispherical(const Input& input, const Evaluate& fitted, const Beams& beams, Part part) {
     if (const PatchFitter* patch = input.patch_fit()) return patch->hemispherical(*input.measured, fitted, beams, part);
-    std::vector<Hemispherical> all;
+    std::vector<Hemispherical> sums;
     for (const double degrees : k_incidences) {
         const double theta = degrees * k_degree,
                      beam_fraction = double(fraction_at(beams, part, to_float(spherical(theta, 0.0))).g);
         const auto sum = [&](const Evaluate& f) {
             return double(albedo(exchanged(f), theta, k_pi / 2).g) + beam_fraction;
         };
-        all.push_back({theta, 0, sum(input.f), sum(fitted)});
+        sums.push_back({theta, 0, sum(input.f), sum(fitted)});
     }
-    return all;
+    return sums;
 }
 
 Result<FitOutcome> fit_part(const Input& input, Part part, FitRequest request, const ProgressToken& progress) {
     auto* pm = std::get_if<PmRequest>(&request.model);
     if (pm && is_transmission(part) && !pm->form) pm->form = PmForm::extended;
-    auto fitted = input.patch_fit() ? input.patch_fit()->fit(*input.measured, request, progress)
-                  : input.measured  ? srbf::fit(*input.measured, request, progress)
-                                    : srbf::fit(input.f, request, progress);
+    const auto fit_input = [&] {
+        if (input.patch_fit()) return input.patch_fit()->fit(*input.measured, request, progress);
+        return input.measured ? srbf::fit(*input.measured, request, progress) : srbf::fit(input.f, request, progress);
+    };
+    auto fitted = fit_input();
     if (fitted) return fitted;
     Error error = fitted.error();
     error.what = std::string(name(part)) + ": " + error.what;
@@ -99,10 +101,11 @@ Result<std::vector<PartFit>> fit_parts(const Inputs& inputs, BsdfModel& model, c
         const Part part = Part(p);
         const auto other = std::size_t(counterpart(part));
         PartFit& fit = parts.emplace_back();
-        fit.part = part, fit.black = is_black[p];
+        fit.part = part;
+        fit.black = is_black[p];
         if (fit.black) {
             if (!is_black[other]) model.part[p] = std::make_shared<const Model>(black());  // otherwise none is stored
-        } else if (is_back(part) && model.part[other] && alike(inputs[other], inputs[p], part)) {
+        } else if (is_back(part) && model.part[other] && is_same_part(inputs[other], inputs[p], part)) {
             fit.answered_by = counterpart(part);
         } else {
             auto fitted =
@@ -145,10 +148,10 @@ void add_largest_sums(BsdfOutcome& outcome) {
     for (const PartFit& a : outcome.parts)
         for (const PartFit& b : outcome.parts) {
             if (is_transmission(a.part) || !is_transmission(b.part) || is_back(a.part) != is_back(b.part)) continue;
-            const bool one_azimuth = has_several_azimuths(a.hemispherical) != has_several_azimuths(b.hemispherical);
+            const bool has_one_azimuth = has_several_azimuths(a.hemispherical) != has_several_azimuths(b.hemispherical);
             for (const Hemispherical& r : a.hemispherical)
                 for (const Hemispherical& t : b.hemispherical) {
-                    if (r.theta != t.theta || (r.phi != t.phi && !one_azimuth)) continue;
+                    if (r.theta != t.theta || (r.phi != t.phi && !has_one_azimuth)) continue;
                     outcome.max_measured = std::max(outcome.max_measured, r.measured + t.measured);
                     outcome.max_fitted = std::max(outcome.max_fitted, r.fitted + t.fitted);
                 }
@@ -202,7 +205,8 @@ void end_mirrors(Beams& beams, const std::array<Evaluate, k_parts>& parts) {
             const Rgb scattered = albedo(exchanged(parts[part]), double(mirror.theta.back()), k_pi / 2);
             for (int c = 0; c < 3; ++c) end[c] = std::clamp(end[c] - scattered[c], 0.f, 1.f);
         }
-        mirror.theta.push_back(float(k_pi / 2)), mirror.fraction.push_back(end);
+        mirror.theta.push_back(float(k_pi / 2));
+        mirror.fraction.push_back(end);
         if (!mirror.azimuths.empty()) mirror.azimuths.push_back(1);
     }
 }
@@ -217,9 +221,11 @@ Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request
         if (!part) continue;
         inputs[p] = {evaluator(*part), part};
         const auto* evaluated = std::get_if<EvaluatedTable>(&part->table);
-        const bool is_asked = evaluated && evaluated->functions && evaluated->functions->separated_beam;
-        if (auto separated = is_asked ? evaluated->functions->separated_beam() : std::nullopt)
-            inputs[p] = {std::move(separated->rest), nullptr}, beams[p] = std::move(separated->beam);
+        const bool has_beam = evaluated && evaluated->functions && evaluated->functions->separated_beam;
+        if (auto separated = has_beam ? evaluated->functions->separated_beam() : std::nullopt) {
+            inputs[p] = {std::move(separated->rest), nullptr};
+            beams[p] = std::move(separated->beam);
+        }
     }
     end_mirrors(beams, {inputs[0].f, inputs[1].f, inputs[2].f, inputs[3].f});
     unite_transmissions(beams);

@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "brdf/directions.h"
+#include "fit/patch_fit.h"
 #include "fit/request_traits.h"
 #include "models/openpbr/openpbr_parameters.h"
 #include "models/su/su_functions.h"
@@ -105,6 +106,11 @@ FitOptionRow form() {
                 names, [](FitRequest& r, Text text) { return store(form_named(text), pm(r).form); });
 }
 
+/// Patches are fitted to their sums; view by view, to values.
+Text needs_values(const FitRequest& request) {
+    return std::holds_alternative<SuRequest>(request.model) ? "" : "a table or samples";
+}
+
 /// The losses that a fit may minimise.
 FitOptionRow objective() {
     std::string about = "What the fit minimises:";
@@ -113,20 +119,30 @@ FitOptionRow objective() {
         names.push_back(name(objective));
         about += fmt::format("\n{}: {}", name(objective), summary(objective));
     }
-    return word({"objective", k_all, "NAME", about, preset(name(k_request.objective))}, names,
-                [](FitRequest& r, Text text) { return store(objective_named(text), r.objective); });
+    return word({.name = "objective",
+                 .type = "NAME",
+                 .about = about,
+                 .preset = preset(name(k_request.objective)),
+                 .state = [](const FitRequest& r) { return std::string(name(r.objective)); },
+                 .needed_for_patches = needs_values},
+                names, [](FitRequest& r, Text text) { return store(objective_named(text), r.objective); });
 }
-std::string default_angles() {
+FitOptionRow max_theta() {
     std::vector<std::string> angles;
     for (const Objective objective : objectives())
         angles.push_back(fmt::format("{} {:g}", name(objective), default_max_theta(objective) / k_degree));
-    return fmt::format("{}", fmt::join(angles, ", "));
+    return number<double>({.name = "max_theta",
+                           .type = "DEG",
+                           .about = fmt::format("Largest angle from the normal in the fit and in all errors,\n1 to "
+                                                "89.9 degrees; default: {}",
+                                                fmt::join(angles, ", ")),
+                           .state = [](const FitRequest& r) { return fmt::format("{:.6g}", r.theta() / k_degree); },
+                           .needed_for_patches = needs_values},
+                          1, 89.9, [](FitRequest& r, double degrees) { r.max_theta = degrees * k_degree; });
 }
 
-std::vector<FitOptionRow> all_options() {
-    using Words = std::vector<Text>;
+std::vector<FitOptionRow> options_of_lobes() {
     return {
-        model(),
         form(),
         flag({.name = "as_measured",
               .models = k_of_pm,
@@ -143,10 +159,16 @@ std::vector<FitOptionRow> all_options() {
                                [](FitRequest& r, double albedo) { pm(r).albedo_limit = albedo; }),
                 "none", [](FitRequest& r) { pm(r).albedo_limit = std::numeric_limits<double>::infinity(); }),
         number<int>(
-            {"variates", k_of_pm, "N",
-             fmt::format("Number of variates, the factors of a lobe, 1 to {}. Default: {}; {} in forms that are "
-                         "not reciprocal",
-                         k_max_variates, row_of(k_default_form).variates, row_of(PmForm::extended).variates)},
+            {.name = "variates",
+             .models = k_of_pm,
+             .type = "N",
+             .about = fmt::format("Number of variates, the factors of a lobe, 1 to {}. Default: {}; {} in forms that "
+                                  "are not reciprocal",
+                                  k_max_variates, row_of(k_default_form).variates, row_of(PmForm::extended).variates),
+             .needed_for_patches = [](const FitRequest& r) -> Text {
+                 const auto* pm = std::get_if<PmRequest>(&r.model);
+                 return pm && !pm->size ? "a number of lobes as well" : "";
+             }},
             1, k_max_variates, [](FitRequest& r, int n) { pm(r).variates = n; }),
         flag({.name = "axial",
               .models = k_of_pm,
@@ -166,12 +188,12 @@ std::vector<FitOptionRow> all_options() {
         number<int>({"lobes", k_of_su, "J"}, 1, k_max_view_lobes, [](FitRequest& r, int n) { su(r).lobes = n; }),
         number<int>({"lobes", k_of_ggx, "J"}, 1, k_max_ggx_lobes,
                     [](FitRequest& r, int n) { std::get<GgxRequest>(r.model).lobes = n; }),
-        objective(),
-        number<double>({"max_theta", k_all, "DEG",
-                        fmt::format("Largest angle from the normal in the fit and in all errors,\n1 to 89.9 degrees; "
-                                    "default: {}",
-                                    default_angles())},
-                       1, 89.9, [](FitRequest& r, double degrees) { r.max_theta = degrees * k_degree; }),
+    };
+}
+
+std::vector<FitOptionRow> options_of_views() {
+    using Words = std::vector<Text>;
+    return {
         word({"discretise", k_of_su, "view|light", "The sampled direction; lobes are functions of the other one",
               preset(name(k_su.discretise))},
              Words{"view", "light"},
@@ -190,27 +212,51 @@ std::vector<FitOptionRow> all_options() {
                 "rotated", [](FitRequest& r) { su(r).interpolation = SuInterpolation::rotated; }),
         word({"with_index", k_of_su, "cube|parabolic", "Store an index texture, the samples nearest to each direction"},
              Words{"cube", "parabolic"}, [](FitRequest& r, Text text) { return store(map_named(text), su(r).index); }),
-        word({"channels", k_all, "NAME",
-              "rgb: colours; spectral: lobes with a coefficient for each wavelength of the measurement", "rgb"},
-             Words{"rgb", "spectral"},
+    };
+}
+
+std::vector<FitOptionRow> further_options() {
+    return {
+        word({.name = "channels",
+              .type = "NAME",
+              .about = "rgb: colours; spectral: lobes with a coefficient for each wavelength of the measurement",
+              .preset = "rgb",
+              .needed_for_patches = [](const FitRequest& r) -> Text { return r.spectral ? "rgb" : ""; }},
+             std::vector<Text>{"rgb", "spectral"},
              [](FitRequest& r, Text text) {
                  r.spectral = text == "spectral";
                  return r.spectral || text == "rgb";
              }),
-        number<double>({"target_delta_e", k_of_pm, "E",
-                        fmt::format("pm: the fewest of up to {} lobes with at most this visible error against what is "
-                                    "fitted, the\nmean Delta E (ITP) of pictures of a sphere, where 1 is just "
-                                    "noticeable",
-                                    *std::ranges::max_element(k_tried_lobes))},
-                       k_finest_delta_e, k_max_delta_e,
-                       [](FitRequest& r, double e) { pm(r).size = AutomaticLobes{e}; }),
-        number<std::uint64_t>({"seed", k_all, "SEED", "Seed of the random numbers", preset(k_request.seed)}, 0,
-                              std::numeric_limits<std::uint64_t>::max(),
+        number<double>(
+            {.name = "target_delta_e",
+             .models = k_of_pm,
+             .type = "E",
+             .about = fmt::format("pm: the fewest of up to {} lobes with at most this visible error against what is "
+                                  "fitted, the\nmean Delta E (ITP) of pictures of a sphere, where 1 is just noticeable",
+                                  *std::ranges::max_element(k_tried_lobes)),
+             .needed_for_patches = [](const FitRequest&) -> Text { return "a table of values"; }},
+            k_finest_delta_e, k_max_delta_e, [](FitRequest& r, double e) { pm(r).size = AutomaticLobes{e}; }),
+        number<std::uint64_t>({.name = "seed",
+                               .type = "SEED",
+                               .about = "Seed of the random numbers",
+                               .preset = preset(k_request.seed),
+                               .state = [](const FitRequest& r) { return fmt::format("{}", r.seed); }},
+                              0, std::numeric_limits<std::uint64_t>::max(),
                               [](FitRequest& r, std::uint64_t seed) { r.seed = seed; }),
         number<int>({"threads", k_all, "T", "Number of threads; 0: all of the machine. The model does not depend on it",
                      preset(k_request.threads)},
                     0, k_max_threads, [](FitRequest& r, int n) { r.threads = n; }),
     };
+}
+
+std::vector<FitOptionRow> all_options() {
+    std::vector<FitOptionRow> options{model()};
+    std::ranges::move(options_of_lobes(), std::back_inserter(options));
+    options.push_back(objective());
+    options.push_back(max_theta());
+    std::ranges::move(options_of_views(), std::back_inserter(options));
+    std::ranges::move(further_options(), std::back_inserter(options));
+    return options;
 }
 
 Error wrong(std::string what, std::string expected = {}, std::string found = {}) {
@@ -276,6 +322,21 @@ Result<FitRequest> fit_request(const FitTexts& texts, const Spelling& spelling) 
         if (const auto reads = check_reads(name, model_name(request), spelled); !reads) return reads.error();
     if (const auto valid = check_together(request, texts, spelled); !valid) return valid.error();
     return request;
+}
+
+Result<Done> check_read(const Measured& measured, const FitRequest& request, const FitTexts& texts,
+                        const Spelling& spelled) {
+    const PatchFitter* patches = nullptr;
+    if (const auto* bsdf = std::get_if<BsdfTable>(&measured.table))
+        for (const auto& part : bsdf->band().part)
+            if (part && patch_fit_of(*part)) patches = patch_fit_of(*part);
+    if (!patches) return Done{};
+    for (const FitOptionRow& option : fit_options()) {
+        if (!option.needed_for_patches || !texts.contains(option.name)) continue;
+        const Text needed = option.needed_for_patches(request);
+        if (!needed.empty()) return wrong(spelled(option.name), std::string(needed), std::string(patches->fitted));
+    }
+    return Done{};
 }
 
 }  // namespace

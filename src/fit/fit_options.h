@@ -4,11 +4,10 @@
 #include <map>
 #include <span>
 
+#include "base/errors.h"
 #include "srbf/fit.h"
 
 SRBF_BEGIN
-
-inline constexpr int k_max_threads = 1024;
 
 /// An option of a fit. Models that read different texts of an option have rows of their own.
 struct FitOptionRow {
@@ -23,6 +22,10 @@ struct FitOptionRow {
     std::string_view negation = {};         ///< the name of the flag's opposite on command lines, or empty
     /// Sets the option in a request for one of `models`. Returns false if the text is invalid.
     std::function<bool(FitRequest&, std::string_view text)> set = {};
+    /// The text under the option's name in a model's provenance; null: none.
+    std::function<std::string(const FitRequest&)> state = {};
+    /// A fit to patches of directions reads the option only with this in the request; empty or null: always.
+    std::function<std::string_view(const FitRequest&)> needed_for_patches = {};
 };
 /// All options in the order of help. The first is "model".
 std::span<const FitOptionRow> fit_options();
@@ -37,5 +40,8 @@ using Spelling = std::function<std::string(std::string_view name)>;
 /// The request of these options. Returns an error, one line with names in the interface's spelling, if a name is
 /// unknown, a text invalid, an option not read by the model, or if two options exclude each other.
 Result<FitRequest> fit_request(const FitTexts& texts, const Spelling& spelled = {});
+/// Returns an error if the fit of this measurement does not read one of the options.
+Result<Done> check_read(const Measured& measured, const FitRequest& request, const FitTexts& texts,
+                        const Spelling& spelled);
 
 SRBF_END

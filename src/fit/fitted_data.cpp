@@ -1,7 +1,6 @@
 #include "fit/fitted_data.h"
 
 #include "brdf/values.h"
-#include "fit/cross_validated_fits.h"
 #include "measured/tables.h"
 
 namespace SRBF_NAMESPACE {
@@ -16,11 +15,6 @@ FittedData::FittedData(Evaluate f, const Measured* measured)
 
 const ScatteredSamples* FittedData::samples() const {
     return measured_ ? std::get_if<ScatteredSamples>(&measured_->table) : nullptr;
-}
-
-bool FittedData::fits_mean(const FitRequest& request) const {
-    const auto* pm = std::get_if<PmRequest>(&request.model);
-    return pm && is_reciprocal(pm->form.value_or(samples() ? PmForm::extended : k_default_form));
 }
 
 bool FittedData::looks_isotropic(const FitRequest& request) {
@@ -43,45 +37,39 @@ Result<ProgressToken> FittedData::smooth(const FitRequest& request, const Progre
     return progress.subrange(k_smoothed, 1);
 }
 
-FittedData::Key FittedData::key(const FitRequest& request) const {
-    return {request.objective,
-            request.theta(),
-            request.seed,
-            request.spectral,
-            samples() && std::holds_alternative<PmRequest>(request.model),
-            fits_mean(request)};
-}
-
 Result<const Observations*> FittedData::observations(const FitRequest& request, const ProgressToken& progress) {
-    if (const auto at = observations_.find(key(request)); at != observations_.end()) return &at->second;
-    const auto fitted = [&](const Evaluate& f) { return f && fits_mean(request) ? reciprocal_mean(f) : f; };
+    const ObservationKey observed_key = key(request);
+    if (const auto kept = observations_.find(observed_key); kept != observations_.end()) return &kept->second;
+    const auto fitted = [&](const Evaluate& f) { return f && observed_key.is_mean ? reciprocal_mean(f) : f; };
     auto observed = observe(fitted(signed_),
-                            {.objective = request.objective,
-                             .max_theta = request.theta(),
-                             .seed = request.seed,
+                            {.objective = observed_key.objective,
+                             .max_theta = observed_key.max_theta,
+                             .seed = observed_key.seed,
                              .threads = request.threads,
                              .smoothed = fitted(smoothed_),
                              .noise = noise_ ? largest_fraction(*noise_) : 0},
                             progress);
     if (!observed) return observed.error();
-    if (request.spectral) {
+    if (observed_key.is_spectral) {
         Channels spectra = signed_spectra(*measured_);
-        observe_spectra(*observed, fits_mean(request) ? reciprocal_mean(std::move(spectra)) : spectra);
+        observe_spectra(*observed, observed_key.is_mean ? reciprocal_mean(std::move(spectra)) : spectra);
     }
-    return &observations_.emplace(key(request), *std::move(observed)).first->second;
+    return &observations_.emplace(observed_key, *std::move(observed)).first->second;
 }
 
 Result<const SampleObservations*> FittedData::sample_observations(const FitRequest& request,
                                                                   const ProgressToken& progress) {
-    if (const auto at = sample_observations_.find(key(request)); at != sample_observations_.end()) return &at->second;
-    auto observed = observe(*samples(), observe_options(request), progress);
+    const ObservationKey observed_key = key(request);
+    if (const auto kept = sample_observations_.find(observed_key); kept != sample_observations_.end())
+        return &kept->second;
+    auto observed = observe(*samples(), observe_samples_options(request), progress);
     if (!observed) return observed.error();
-    return &sample_observations_.emplace(key(request), *std::move(observed)).first->second;
+    return &sample_observations_.emplace(observed_key, *std::move(observed)).first->second;
 }
 
 Result<Evaluate> FittedData::gap_filled(const FitRequest& request) const {
-    const auto at = sample_observations_.find(key(request));
-    if (at != sample_observations_.end() && at->second.gap_filled) return evaluator(*at->second.gap_filled);
+    const auto kept = sample_observations_.find(key(request));
+    if (kept != sample_observations_.end() && kept->second.gap_filled) return evaluator(*kept->second.gap_filled);
     auto filled = fill_gaps(*samples(), request.theta(), request.threads);
     if (!filled) return filled.error();
     return evaluator(*std::move(filled));

@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "fit/noise.h"
+#include "fit/requests.h"
 #include "observe/observations.h"
-#include "samples/observe_samples.h"
 #include "srbf/fit.h"
 
 namespace SRBF_NAMESPACE {
@@ -26,7 +26,7 @@ class FittedData {
     const std::optional<Noise>& noise() const { return noise_; }
     const Evaluate& smoothed_values() const { return smoothed_; }
     /// True if a reciprocal model is fitted, to the mean of a table.
-    bool fits_mean(const FitRequest& request) const;
+    bool fits_mean(const FitRequest& request) const { return key(request).is_mean; }
     /// True if the values depend on the difference of azimuths alone, up to their noise, within θmax of the request.
     bool looks_isotropic(const FitRequest& request);
     /// True if values of the measurement and of the fit do not change at all when light and viewer turn together.
@@ -41,21 +41,13 @@ class FittedData {
     Result<Evaluate> gap_filled(const FitRequest& request) const;
 
   private:
-    /// All that observations depend on.
-    struct Key {
-        Objective objective;
-        double max_theta;
-        std::uint64_t seed;
-        bool is_spectral, fills_gaps, is_mean;
-        auto operator<=>(const Key&) const = default;
-    };
-    Key key(const FitRequest& request) const;
+    ObservationKey key(const FitRequest& request) const { return observation_key(request, samples() != nullptr); }
 
     const Measured* measured_;
     Evaluate signed_, values_, smoothed_ = nullptr;
     std::optional<Noise> noise_;
-    std::map<Key, Observations> observations_;
-    std::map<Key, SampleObservations> sample_observations_;
+    std::map<ObservationKey, Observations> observations_;
+    std::map<ObservationKey, SampleObservations> sample_observations_;
     std::map<double, bool> isotropic_;  ///< the keys are θmax
 };
 

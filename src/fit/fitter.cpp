@@ -8,6 +8,7 @@
 #include "errors/picture_errors.h"
 #include "fit/cross_validated_fits.h"
 #include "fit/fit_errors.h"
+#include "fit/fit_options.h"
 #include "fit/request_traits.h"
 #include "fit/requests.h"
 #include "generated/models/kinds.h"
@@ -16,7 +17,6 @@
 #include "models/su/su_functions.h"
 #include "observe/albedo_bound.h"
 #include "observe/pair_weights.h"
-#include "samples/fit_pm_to_samples.h"
 #include "samples/folds.h"
 
 namespace SRBF_NAMESPACE {
@@ -46,14 +46,7 @@ Result<FitOutcome> fit_view_by_view(const Evaluate& f, const FitRequest& request
         tabulate(f, {.directions = su.directions, .discretise = su.discretise, .threads = request.threads},
                  progress.subrange(0, k_observed));
     if (!matrix) return matrix.error();
-    const SuFitOptions options{.lobes = su.lobes,
-                               .objective = request.objective,
-                               .max_theta = request.theta(),
-                               .interpolation = su.interpolation,
-                               .neighbours = su.neighbours,
-                               .seed = request.seed,
-                               .threads = request.threads};
-    auto fitted = fit_su(*matrix, options, progress.subrange(k_observed, 1));
+    auto fitted = fit_su(*matrix, su_options(request), progress.subrange(k_observed, 1));
     if (!fitted) return fitted.error();
     if (progress.cancelled()) return cancelled_error("fit");
     if (fitted->empty == su.directions) return no_data_error("fit", "values", "some above 0");
@@ -156,7 +149,8 @@ Result<FitOutcome> draft_of_table(FittedData& data, const FitRequest& request, c
     const auto observed = data.observations(request, rest->subrange(0, k_drafts_observed));
     if (!observed) return observed.error();
     PmFitOptions options = lobe_options(data, request);
-    options.starts = k_draft_starts, options.perturbations = 0;
+    options.starts = k_draft_starts;
+    options.perturbations = 0;
     auto outcome =
         outcome_of(fit_pm(first_pairs(**observed, k_draft_pairs), options, rest->subrange(k_drafts_observed, 1)));
     if (outcome) describe(**observed, *outcome);
@@ -216,10 +210,9 @@ Result<FitOutcome> fit_by(Stage* for_table, Stage* for_samples, FittedData& data
     outcome->fit_seconds = seconds_since(start);
     outcome->max_theta = request.theta();
     outcome->noise = data.noise();
-    outcome->model.provenance = {{"generator", "srbf " SRBF_VERSION},
-                                 {"objective", std::string(name(request.objective))},
-                                 {"max_theta", fmt::format("{:.6g}", request.theta() / k_degree)},
-                                 {"seed", fmt::format("{}", request.seed)}};
+    outcome->model.provenance = {{"generator", "srbf " SRBF_VERSION}};
+    for (const FitOptionRow& option : fit_options())
+        if (option.state) outcome->model.provenance[std::string(option.name)] = option.state(request);
     if (const auto* openpbr = std::get_if<OpenPbrRequest>(&request.model))
         outcome->model.provenance["surface"] = name(openpbr->surface);
     if (const auto* pm = std::get_if<PmRequest>(&request.model); pm && pm->effort != 1)

@@ -28,7 +28,7 @@ constexpr double k_negative = 0.01;
 /// A value within this number of deviations of the fitted one differs by noise.
 constexpr float k_noise_limit = 3;
 /// Before the first fit, values below this many standard deviations are weighted alike.
-constexpr float k_alike = 5;
+constexpr float k_floor_deviations = 5;
 constexpr int k_rounds = 3;
 /// The options of the short fits, by pairs alone.
 constexpr int k_noise_starts = 4, k_noise_perturbations = 20;
@@ -77,13 +77,13 @@ std::vector<Rgb> at_triples(const Evaluate& f) {
     return values;
 }
 
-/// Values of at least √(f² + (k_alike σ)²), by which weights hardly depend on the noise of dark values.
+/// Values of at least √(f² + (k_floor_deviations σ)²), by which weights hardly depend on the noise of dark values.
 Evaluate above_noise(const Evaluate& f, const Rgb& deviation) {
     return [f, deviation](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
         f(wl, wv, values);
         for (Rgb& value : values)
             for (int c = 0; c < 3; ++c) {
-                const float min = k_alike * deviation[c];
+                const float min = k_floor_deviations * deviation[c];
                 value[c] = std::sqrt(value[c] * value[c] + min * min);
             }
     };
@@ -157,8 +157,10 @@ double largest_fraction(const Noise& noise) {
 Result<Evaluate> smoothed(const Evaluate& f, const Noise& noise, bool axial, int threads,
                           const ProgressToken& progress) {
     PmFitOptions options;
-    options.axial = axial, options.threads = threads;
-    options.starts = k_noise_starts, options.perturbations = k_noise_perturbations;
+    options.axial = axial;
+    options.starts = k_noise_starts;
+    options.perturbations = k_noise_perturbations;
+    options.threads = threads;
     Evaluate smooth = above_noise(f, noise.deviation);
     for (int round = 0; round < k_rounds; ++round) {
         const ProgressToken part = progress.subrange(double(round) / k_rounds, (round + 1.0) / k_rounds);

@@ -8,6 +8,7 @@
 #include "models/model_files.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
+#include "samples/observe_samples.h"
 #include "srbf/fit.h"
 
 namespace SRBF_NAMESPACE {
@@ -38,6 +39,47 @@ inline PmFitOptions pm_options(const FitRequest& request, bool axial, PmForm for
             .effort = pm.effort,
             .albedo_limit = pm.albedo_limit,
             .seed = request.seed,
+            .threads = request.threads};
+}
+
+inline SuFitOptions su_options(const FitRequest& request) {
+    const SuRequest& su = std::get<SuRequest>(request.model);
+    return {.lobes = su.lobes,
+            .objective = request.objective,
+            .max_theta = request.theta(),
+            .interpolation = su.interpolation,
+            .neighbours = su.neighbours,
+            .seed = request.seed,
+            .threads = request.threads};
+}
+
+/// Everything in a request that observations depend on. A `Fitter` keeps observations for each key.
+struct ObservationKey {
+    Objective objective;
+    double max_theta;  ///< [rad]
+    std::uint64_t seed;
+    bool is_spectral;
+    bool fills_gaps;  ///< whether samples are also observed with gaps filled
+    bool is_mean;     ///< whether a reciprocal model is fitted, to the mean of a table and of its exchange
+    auto operator<=>(const ObservationKey&) const = default;
+};
+inline ObservationKey observation_key(const FitRequest& request, bool is_of_samples) {
+    const auto* pm = std::get_if<PmRequest>(&request.model);
+    return {.objective = request.objective,
+            .max_theta = request.theta(),
+            .seed = request.seed,
+            .is_spectral = request.spectral,
+            .fills_gaps = pm && is_of_samples,
+            .is_mean = pm && is_reciprocal(pm->form.value_or(is_of_samples ? PmForm::extended : k_default_form))};
+}
+
+inline ObserveSamplesOptions observe_samples_options(const FitRequest& request) {
+    const ObservationKey key = observation_key(request, true);
+    return {.objective = key.objective,
+            .max_theta = key.max_theta,
+            .seed = key.seed,
+            .spectral = key.is_spectral,
+            .fill_gaps = key.fills_gaps,
             .threads = request.threads};
 }
 

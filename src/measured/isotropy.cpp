@@ -159,7 +159,9 @@ double change_by_azimuth(const ScatteredSamples& samples) {
                 const bool is_small =
                     rotation.real() >= elementary::cos(k_small_rotation) || std::abs(rotation.imag()) <= test.max_sine;
                 Change& change = is_small ? test.small : test.any;
-                change.squares += squares, change.squared_changes += squared_change, ++change.pairs;
+                change.squares += squares;
+                change.squared_changes += squared_change;
+                ++change.pairs;
                 if (squared_change > 0) change.relative += squared_change / (squares + other_squares);
             }
         }

@@ -80,8 +80,12 @@ Result<Measured> join_measurements(std::span<const Measured> files) {
         const auto& more = std::get<ScatteredSamples>(file.table);
         samples.weight.resize(samples.wl.size(), 1);
         if (&file == &files[0]) continue;
-        append(samples.wl, more.wl), append(samples.wv, more.wv), append(samples.colour, more.colour);
-        append(samples.spectrum, more.spectrum), append(samples.weight, more.weight), append(samples.notes, more.notes);
+        append(samples.wl, more.wl);
+        append(samples.wv, more.wv);
+        append(samples.colour, more.colour);
+        append(samples.spectrum, more.spectrum);
+        append(samples.weight, more.weight);
+        append(samples.notes, more.notes);
         samples.weight.resize(samples.wl.size(), 1), samples.masked += more.masked;
         all.source += ", " + name_of(file), all.bytes += file.bytes;
     }

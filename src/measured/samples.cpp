@@ -82,8 +82,11 @@ struct OtherRows {
             const bool has = std::ranges::find(row, missing) != row.end();
             with += has, is_saturated |= has && std::ranges::max(row) >= -missing;
             for (const float f : row)
-                if (!has && !std::isnan(f))
-                    min = std::min(min, f), max = std::max(max, f), has_fractions |= f != std::round(f);
+                if (!has && !std::isnan(f)) {
+                    min = std::min(min, f);
+                    max = std::max(max, f);
+                    has_fractions |= f != std::round(f);
+                }
         }
     }
 };
@@ -130,14 +133,18 @@ void keep_samples(ScatteredSamples& samples, const std::function<bool(std::size_
     std::size_t kept = 0;
     for (std::size_t i = 0; i < samples.wl.size(); ++i) {
         if (!keep(i)) continue;
-        samples.wl[kept] = samples.wl[i], samples.wv[kept] = samples.wv[i], samples.colour[kept] = samples.colour[i];
+        samples.wl[kept] = samples.wl[i];
+        samples.wv[kept] = samples.wv[i];
+        samples.colour[kept] = samples.colour[i];
         if (!samples.weight.empty()) samples.weight[kept] = samples.weight[i];
         std::copy_n(samples.spectrum.begin() + std::ptrdiff_t(i * channels), channels,
                     samples.spectrum.begin() + std::ptrdiff_t(kept * channels));
         ++kept;
     }
     samples.masked += samples.wl.size() - kept;
-    samples.wl.resize(kept), samples.wv.resize(kept), samples.colour.resize(kept);
+    samples.wl.resize(kept);
+    samples.wv.resize(kept);
+    samples.colour.resize(kept);
     samples.spectrum.resize(kept * channels);
     if (!samples.weight.empty()) samples.weight.resize(kept);
 }

@@ -190,7 +190,10 @@ Blend blend_of_values(const ScatteredSamples& samples, Vec3f wl, Vec3f wv) {
         const double A = cosines(samples.wl[i], samples.wv[i]), w = blend.weight[k];
         const Rgb& colour = samples.colour[i];
         const double f = double(colour.r) + double(colour.g) + double(colour.b);
-        a += w * A, aa += w * A * A, fa += w * f * A, faa += w * f * A * A;
+        a += w * A;
+        aa += w * A * A;
+        fa += w * f * A;
+        faa += w * f * A * A;
         blend.weight[k] *= A;
     }
     // 1 − t, of the least Σ w (f_k A_k − f A − s (A_k − Ā))² + ridge Ā² (s − f A / Ā)² with t = s Ā / (f A)

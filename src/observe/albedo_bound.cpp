@@ -19,7 +19,7 @@ constexpr double k_checked_excess = 0.97;
 constexpr int k_fine_views = 80, k_fine_light_directions = 16384;
 constexpr double k_steepest_trusted = 80 * k_degree;
 /// Albedos are brought below this fraction of the limit, so that rounding to 16 bits does not exceed it.
-constexpr double k_aim = 0.995;
+constexpr double k_aimed_fraction = 0.995;
 /// The cost grows by this factor where a round still exceeds the bound.
 constexpr double k_bound_cost_growth = 4;
 
@@ -32,19 +32,19 @@ PmModel lowered_at_views(const AlbedoBound& bound, PmModel model) {
     const auto lobes = std::size_t(model.lobes);
     std::vector<std::vector<double>> albedo;  // albedos of each lobe alone
     for (int j = 0; j < model.lobes; ++j) albedo.push_back(bound.albedos(evaluator(only_lobe(model, j))));
-    std::vector<double> factor(lobes, 1), all(albedo[0].size());
+    std::vector<double> factor(lobes, 1), total(albedo[0].size());
     for (;;) {
-        std::ranges::fill(all, 0);
+        std::ranges::fill(total, 0);
         for (std::size_t j = 0; j < lobes; ++j)
-            for (std::size_t i = 0; i < all.size(); ++i) all[i] += factor[j] * albedo[j][i];
-        const auto at = std::size_t(std::ranges::max_element(all) - all.begin());
-        if (all[at] <= 1) break;
+            for (std::size_t i = 0; i < total.size(); ++i) total[i] += factor[j] * albedo[j][i];
+        const auto brightest = std::size_t(std::ranges::max_element(total) - total.begin());
+        if (total[brightest] <= 1) break;
         const auto concentration = [&](std::size_t j) {
             const double sum = std::accumulate(albedo[j].begin(), albedo[j].end(), 0.0);
-            return factor[j] > 0 && sum > 0 ? albedo[j][at] / sum : 0;
+            return factor[j] > 0 && sum > 0 ? albedo[j][brightest] / sum : 0;
         };
         const std::size_t j = std::ranges::max(std::views::iota(std::size_t(0), lobes), {}, concentration);
-        factor[j] = std::max(0.0, factor[j] - (all[at] - k_lowered) / albedo[j][at]);
+        factor[j] = std::max(0.0, factor[j] - (total[brightest] - k_lowered) / albedo[j][brightest]);
     }
     const std::size_t C = model.spectrum.size() / lobes;
     for (std::size_t j = 0; j < lobes; ++j) {
@@ -91,11 +91,14 @@ std::vector<double> AlbedoBound::albedos(const Evaluate& model) const {
 double AlbedoBound::excess(const Evaluate& model) const { return std::ranges::max(albedos(model)); }
 
 ObservedIntegral AlbedoBound::bound_of(const View& view, std::vector<Rgb> values, double albedo) const {
-    const auto factor = float(k_aim * limit_ / albedo);
+    const auto factor = float(k_aimed_fraction * limit_ / albedo);
     ObservedIntegral bound;
-    bound.wl = view.light.w, bound.wv.assign(bound.wl.size(), view.wv), bound.weight = view.light.weight;
+    bound.wl = view.light.w;
+    bound.wv.assign(bound.wl.size(), view.wv);
+    bound.weight = view.light.weight;
     for (const Rgb& f : values) bound.f.push_back({factor * f.r, factor * f.g, factor * f.b});
-    bound.min_unit = 1, bound.is_bound = true;
+    bound.min_unit = 1;
+    bound.is_bound = true;
     return bound;
 }
 

@@ -77,7 +77,9 @@ ObservedIntegral observe_albedo(const Evaluate& f, const ObserveOptions& options
     }
     ObservedIntegral albedo;
     albedo.wv.assign(points.w.size(), to_float(wv));
-    albedo.wl = std::move(points.w), albedo.f = std::move(values), albedo.weight = std::move(points.weight);
+    albedo.wl = std::move(points.w);
+    albedo.f = std::move(values);
+    albedo.weight = std::move(points.weight);
     if (options.smoothed) smooth_values(albedo, f, options, wv, theta_max);
     return albedo;
 }

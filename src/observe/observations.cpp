@@ -8,7 +8,10 @@
 namespace SRBF_NAMESPACE {
 
 void Observations::add(Vec3f l, Vec3f v, const Rgb& value, double value_weight, std::span<const float> value_spectrum) {
-    wl.push_back(l), wv.push_back(v), f.push_back(value), weight.push_back(value_weight);
+    wl.push_back(l);
+    wv.push_back(v);
+    f.push_back(value);
+    weight.push_back(value_weight);
     spectrum.insert(spectrum.end(), value_spectrum.begin(), value_spectrum.end());
 }
 
@@ -22,13 +25,19 @@ bool Observations::is_grey() const {
 
 void Observations::append(const Observations& more) {
     const auto extend = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-    extend(wl, more.wl), extend(wv, more.wv), extend(f, more.f), extend(weight, more.weight);
+    extend(wl, more.wl);
+    extend(wv, more.wv);
+    extend(f, more.f);
+    extend(weight, more.weight);
     if (!wavelengths.empty()) extend(spectrum, more.spectrum);
 }
 
 void Observations::swap_rows(std::size_t i, std::size_t k) {
     if (i == k) return;
-    std::swap(wl[i], wl[k]), std::swap(wv[i], wv[k]), std::swap(f[i], f[k]), std::swap(weight[i], weight[k]);
+    std::swap(wl[i], wl[k]);
+    std::swap(wv[i], wv[k]);
+    std::swap(f[i], f[k]);
+    std::swap(weight[i], weight[k]);
     const std::size_t C = wavelengths.size();
     std::swap_ranges(spectrum.begin() + std::ptrdiff_t(i * C), spectrum.begin() + std::ptrdiff_t((i + 1) * C),
                      spectrum.begin() + std::ptrdiff_t(k * C));
@@ -39,7 +48,10 @@ void Observations::shuffle(std::mt19937_64& random) {
 }
 
 void Observations::resize(std::size_t count) {
-    wl.resize(count), wv.resize(count), f.resize(count), weight.resize(count);
+    wl.resize(count);
+    wv.resize(count);
+    f.resize(count);
+    weight.resize(count);
     spectrum.resize(count * wavelengths.size());
 }
 

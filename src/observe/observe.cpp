@@ -31,8 +31,11 @@ Observations evaluate_pairs(const Evaluate& f, std::size_t count, int threads, c
         std::vector<Vec3f> wl, wv;
         std::vector<double> weight;
         for (std::size_t i = begin; i < end; ++i)
-            if (const std::optional<DrawnPair> drawn = draw(i))
-                wl.push_back(drawn->pair.wl), wv.push_back(drawn->pair.wv), weight.push_back(drawn->weight);
+            if (const std::optional<DrawnPair> drawn = draw(i)) {
+                wl.push_back(drawn->pair.wl);
+                wv.push_back(drawn->pair.wv);
+                weight.push_back(drawn->weight);
+            }
         std::vector<Rgb> values(wl.size());
         f(wl, wv, values);
         Observations& kept = parts[begin / k_part];
@@ -48,7 +51,8 @@ Observations evaluate_pairs(const Evaluate& f, std::size_t count, int threads, c
     Observations observations;
     for (const Observations& part : parts) {
         observations.append(part);
-        observations.masked += part.masked, observations.clamped += part.clamped;
+        observations.masked += part.masked;
+        observations.clamped += part.clamped;
     }
     return observations;
 }

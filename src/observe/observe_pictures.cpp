@@ -22,14 +22,14 @@ Rgb grey(double x) { return {float(x), float(x), float(x)}; }
 
 /// The lights of the pictures, all of them white: bright and dark surroundings with lamps of several sizes, and
 /// directional lights of irradiance π.
-struct Lights {
+struct PictureLights {
     std::vector<Lighting> extended;
     std::vector<Vec3d> directions;
     std::size_t count() const { return extended.size() + directions.size(); }
 };
-Lights make_lights() {
+PictureLights make_lights() {
     const auto towards = [](double x, double y, double z) { return normalize(Vec3d{x, y, z}); };
-    Lights lights;
+    PictureLights lights;
     lights.extended = {
         {"hall", grey(1), grey(0.8), grey(0.3), {}},
         {"box", grey(0.08), grey(0.06), grey(0.05), {{towards(0.6, 0.6, 0.5), 25, grey(8)}}},
@@ -59,7 +59,7 @@ Frame frame_of(std::size_t i, double theta_max) {
 }
 
 /// A view without values, whose pixels are not exposed yet.
-ObservedView view_of(const Frame& frame, const Lights& lights, const MirrorMixture& mixture) {
+ObservedView view_of(const Frame& frame, const PictureLights& lights, const MirrorMixture& mixture) {
     const Vec3d wv = frame.to({0, 0, 1});
     const Quadrature points = mixture.quadrature(wv, k_points);
     ObservedView view{to_float(wv), points.w, {}, {}};
@@ -92,7 +92,7 @@ void sample_values(ObservedView& view, const Evaluate& f) {
 }  // namespace
 
 std::vector<ObservedView> observe_views(const Evaluate& f, double theta_max, int threads) {
-    const Lights lights = make_lights();
+    const PictureLights lights = make_lights();
     const MirrorMixture mixture(theta_max);
     std::vector<ObservedView> views(k_views);
     std::vector<Image> pictures(lights.count(), Image(int(k_views), 1));

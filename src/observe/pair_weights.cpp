@@ -14,14 +14,16 @@ namespace {
 /// The least fitted value that `relative` distinguishes from 0, as a fraction of the mean.
 constexpr double k_darkest = 1e-9;
 
+/// The weights of cube roots are constant below this fraction of the mean.
+constexpr double k_min_rooted = 0.01;
 double cube_root_weight(double f, double mean, double, double) {
-    return elementary::pow(std::max(f, 0.01 * mean) / mean, -4.0 / 3);
+    return elementary::pow(std::max(f, k_min_rooted * mean) / mean, -4.0 / 3);
 }
 double diffuse_weight(double f, double mean, double cos_l, double cos_v) {
     return cos_l * cos_v * cube_root_weight(f, mean, cos_l, cos_v);
 }
 double cube_root_slope(double f, double mean, double) {
-    return elementary::pow(std::max(f, 0.01 * mean), -2.0 / 3) / 3;
+    return elementary::pow(std::max(f, k_min_rooted * mean), -2.0 / 3) / 3;
 }
 /// f cosθl as a display shows it.
 double displayed(double f, double bright, double cos_l) {
@@ -85,7 +87,7 @@ constexpr auto k_objectives = [] {
 
 /// The factor that turns the weighted square into the actual error, Σ_c (g(f_c) − g(f̂_c))² / Σ_c (f_c−f̂_c)² over the
 /// square of g's slope, for an objective whose weights hold for small errors only; otherwise 1. It is clamped to [1 /
-/// most, most].
+/// max, max].
 double large_error_weight(Objective objective, const Rgb& f, const Rgb& fitted, double typical, double cos_l,
                           double max) {
     const ObjectiveTraits& row = traits(objective);
@@ -121,7 +123,10 @@ double typical_value(Objective objective, std::span<const Vec3f> wl, std::span<c
                      std::span<const double> weight) {
     double sum = 0, total = 0;
     if (!traits(objective).uses_pictures) {
-        for (std::size_t i = 0; i < f.size(); ++i) sum += weight[i] * mean_of(f[i]), total += weight[i];
+        for (std::size_t i = 0; i < f.size(); ++i) {
+            sum += weight[i] * mean_of(f[i]);
+            total += weight[i];
+        }
         return total > 0 ? sum / total : 0;
     }
     std::vector<std::pair<double, double>> brightness;  // f cosθl and its weight
@@ -144,7 +149,7 @@ void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::
     };
     const double total = fill(weight, row.weight);
     std::vector<double> further(f.size());
-    for (const ObjectiveTraits::Further& term : row.further) {
+    for (const ObjectiveTraits::FurtherWeight& term : row.further) {
         const double energy = term.weight ? fill(further, term.weight) : 0;
         for (std::size_t i = 0; energy > 0 && i < f.size(); ++i)
             weight[i] += term.importance * total / energy * further[i];

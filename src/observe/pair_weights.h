@@ -17,11 +17,11 @@ struct ObjectiveTraits {
     double (*weight)(double f, double typical, double cos_l, double cos_v);
     /// Weights added for pairs that `weight` alone neglects. With them, an error of 100 % everywhere adds
     /// `importance` times Σ w |f|² to the loss.
-    struct Further {
+    struct FurtherWeight {
         double (*weight)(double f, double typical, double cos_l, double cos_v) = nullptr;
         double importance = 0;
     };
-    std::array<Further, 2> further{};  ///< a null `weight`: unused
+    std::array<FurtherWeight, 2> further{};  ///< a null `weight`: unused
     /// The function g of an objective Σ (g(f) − g(f̂))², and its derivative. The weights, squares of the
     /// derivative, hold for small errors only; `weigh_large_errors` corrects them elsewhere. Null: the weights hold
     /// for errors of any size.

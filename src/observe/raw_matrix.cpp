@@ -19,10 +19,10 @@ RSequence<3> points_of_row(std::size_t i) {
 
 /// Samples f at the direction `sampled` and a random direction for each element of `row`.
 void sample_between(const Evaluate& f, Discretise discretise, Vec3f sampled, RSequence<3> points,
-                    std::span<RawMatrix::Between> row) {
+                    std::span<RawMatrix::DrawnValue> row) {
     const MirrorMixture mixture(k_pi / 2);
     std::vector<Vec3f> others;
-    for (RawMatrix::Between& element : row) {
+    for (RawMatrix::DrawnValue& element : row) {
         const auto u = points.next();
         const Vec3d w = mixture.sample(to_double(sampled), u[0], u[1], u[2]);
         element.direction = to_float(w);

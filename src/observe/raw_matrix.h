@@ -22,14 +22,14 @@ struct RawMatrix {
     std::vector<Rgb> f;                        ///< n × n; (wl_l, wv_v) is at v n + l [1/sr], ≥ 0; NaN: not measured
     /// f at a sampled direction and another one drawn from MirrorMixture around it. The directions of the set miss
     /// most of a sharp highlight, and for isotropic data they miss the same part of it in all views.
-    struct Between {
+    struct DrawnValue {
         Vec3f direction;
         Rgb f;
         float pdf = 0;  ///< [1/sr]
     };
-    std::vector<Between> between;  ///< n × m
-    std::uint64_t masked = 0;      ///< number of pairs of the matrix that were not measured
-    std::uint64_t clamped = 0;     ///< number of negative channel values in the matrix, set to 0
+    std::vector<DrawnValue> between;  ///< n × m
+    std::uint64_t masked = 0;         ///< number of pairs of the matrix that were not measured
+    std::uint64_t clamped = 0;        ///< number of negative channel values in the matrix, set to 0
 };
 
 /// Evaluates `f`, which may be negative (see signed_value) or NaN. Returns an error if options are out of range, or if

@@ -46,17 +46,17 @@ PreparedMap prepare_map(const TexelMap& map, const ProposeOptions& options) {
 PreparedBrdf brdf_at(const PreparedMap& map, Vec2f uv) {
     const PreparedMap::Contents& contents = *map.contents_;
     const std::size_t J = contents.lobe_weights.size();
-    struct Between {
+    struct Interpolation {
         std::size_t texel[2];
         float weight[2];
     };
-    const auto between = [](float u, std::size_t count) {
+    const auto interpolation = [](float u, std::size_t count) {
         const float part = u - std::floor(u);  // NaN if u is not finite
         const float x = (part < 1 ? part : 0) * float(count) - 0.5f, below = std::floor(x);
         const auto i = std::size_t(below + float(count)) % count;  // x ≥ −½
-        return Between{{i, (i + 1) % count}, {1 - (x - below), x - below}};
+        return Interpolation{{i, (i + 1) % count}, {1 - (x - below), x - below}};
     };
-    const Between column = between(uv.x, contents.width), row = between(uv.y, contents.height);
+    const Interpolation column = interpolation(uv.x, contents.width), row = interpolation(uv.y, contents.height);
     std::vector<Rgb> coefficient(J);
     for (const int y : {0, 1})
         for (const int x : {0, 1}) {

@@ -30,7 +30,8 @@ Point point_of(Vec3f l, Vec3f v, bool isotropic) {
 /// The group of each sample, numbered in the order of their first samples. Points are put into cells of half that
 /// distance first, of which there are few however densely the samples lie.
 std::vector<int> groups_of(const ScatteredSamples& samples) {
-    const double side = k_group_distance / (2 * std::sqrt(6.0)), reach = 1.001 * k_group_distance;
+    constexpr double k_reach = 1.001 * k_group_distance;  // includes a neighbour at the distance itself, as rounded
+    const double side = k_group_distance / (2 * std::sqrt(6.0));
     std::map<std::array<int, 6>, std::uint32_t> cells;
     PointCloud<double, 6> points;        // the first of each cell
     std::vector<std::uint32_t> cell_of;  // cells of the samples, and of the samples exchanged
@@ -38,23 +39,25 @@ std::vector<int> groups_of(const ScatteredSamples& samples) {
         const Point point = point_of(wl, wv, samples.isotropic);
         std::array<int, 6> cell;
         std::ranges::transform(point, cell.begin(), [&](double x) { return int(std::floor(x / side)); });
-        const auto [at, is_new] = cells.try_emplace(cell, std::uint32_t(points.coordinates.size()));
+        const auto [entry, is_new] = cells.try_emplace(cell, std::uint32_t(points.coordinates.size()));
         if (is_new) points.coordinates.push_back(point);
-        cell_of.push_back(at->second);
+        cell_of.push_back(entry->second);
     };
-    for (std::size_t i = 0; i < samples.wl.size(); ++i)
-        add(samples.wl[i], samples.wv[i]), add(samples.wv[i], samples.wl[i]);
+    for (std::size_t i = 0; i < samples.wl.size(); ++i) {
+        add(samples.wl[i], samples.wv[i]);
+        add(samples.wv[i], samples.wl[i]);
+    }
 
     std::vector<std::uint32_t> parent(points.coordinates.size());
     std::iota(parent.begin(), parent.end(), 0u);
     const auto root = [&](std::uint32_t cell) {
-        while (parent[cell] != cell) cell = parent[cell] = parent[parent[cell]];
+        for (; parent[cell] != cell; cell = parent[cell]) parent[cell] = parent[parent[cell]];  // halves the path
         return cell;
     };
     const KdTree<double, 6> tree(6, points);
     for (std::uint32_t cell = 0; cell < parent.size(); ++cell) {
         FoundPoints<double> found;
-        nanoflann::RadiusResultSet<double, std::uint32_t> near(reach * reach, found);
+        nanoflann::RadiusResultSet<double, std::uint32_t> near(k_reach * k_reach, found);
         tree.findNeighbors(near, points.coordinates[cell].data(), {});
         for (const auto& [other, distance] : found) parent[root(other)] = root(cell);
     }

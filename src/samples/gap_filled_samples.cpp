@@ -86,8 +86,10 @@ Result<std::array<GgxModel, k_max_ggx_lobes>> fit_priors(Objective objective, Ob
         auto fit = Kind<GgxModel>::fit(samples, {lobes}, {.threads = threads});
         if (!fit) return fit.error();
         const auto lower = errors_of(fit->unrounded);
-        if (errors[0] > enough * lower[0] || errors[1] > enough * lower[1])
-            simplest = std::move(fit->unrounded), errors = lower;
+        if (errors[0] > enough * lower[0] || errors[1] > enough * lower[1]) {
+            simplest = std::move(fit->unrounded);
+            errors = lower;
+        }
         at_most[std::size_t(lobes - 1)] = simplest;
     }
     return at_most;
@@ -111,7 +113,8 @@ Result<GapFilledSamples> fill_gaps(const ScatteredSamples& samples, double max_t
     filled.prior_limit = (is_single ? k_max_excess : k_max_agreed) * largest;
     ScatteredSamples& residual = filled.residual;
     residual.isotropic = samples.isotropic;
-    residual.wl = observed.wl, residual.wv = observed.wv;
+    residual.wl = observed.wl;
+    residual.wv = observed.wv;
     for (std::size_t i = 0; i < residual.wl.size(); ++i) {
         const double area = cosines(residual.wl[i], residual.wv[i]);
         const auto root = combine_priors(filled, residual.wl[i], residual.wv[i]).root;

@@ -1,7 +1,8 @@
-// Observations of scattered samples, which a fit matches.
+// Observations of scattered samples, and the fit of a multivariate model to them.
 #pragma once
 #include <optional>
 
+#include "models/pm/search/fit_pm.h"
 #include "observe/observations.h"
 #include "samples/gap_filled_samples.h"
 
@@ -46,5 +47,10 @@ struct SampleObservations {
 /// without spectra, or if it is cancelled.
 Result<SampleObservations> observe(const ScatteredSamples& samples, const ObserveSamplesOptions& options,
                                    const ProgressToken& progress = {});
+/// Fits parameterized multivariate SRBFs to the gap-filled samples, and coefficients of wavelengths to the samples.
+/// Returns an error as the `fit_pm` of fit_pm.h does, and if the samples have fewer values than the model has
+/// parameters.
+Result<PmFit> fit_pm(const SampleObservations& observations, const PmFitOptions& options,
+                     const ProgressToken& progress = {});
 
 }  // namespace

@@ -24,7 +24,7 @@ class Chromium:
         their_in, self.out = os.pipe()
         self.in_, their_out = os.pipe()
 
-        def as_3_and_4():
+        def as_files_3_and_4():
             # Temporary numbers that differ from both ends.
             a, b = os.dup2(their_in, 100), os.dup2(their_out, 101)
             os.dup2(a, 3), os.dup2(b, 4)
@@ -33,10 +33,10 @@ class Chromium:
         command = [program(), "--headless=new", "--remote-debugging-pipe", "--no-sandbox", "--disable-dev-shm-usage", "--no-first-run", "--hide-scrollbars",
                    "--disable-background-networking", "--disable-component-update", "--disable-extensions",
                    "--user-data-dir=" + self.profile.name, *flags, "about:blank"]
-        self.process = subprocess.Popen(command, close_fds=False, preexec_fn=as_3_and_4, stdin=subprocess.DEVNULL,
+        self.process = subprocess.Popen(command, close_fds=False, preexec_fn=as_files_3_and_4, stdin=subprocess.DEVNULL,
                                         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(their_in), os.close(their_out)
-        self.rest, self.number, self.session, self.problems, self.requests = b"", 0, None, [], []
+        self.unread, self.number, self.session, self.problems, self.requests = b"", 0, None, [], []
         target = next(t for t in self.ask("Target.getTargets")["targetInfos"] if t["type"] == "page")
         self.session = self.ask("Target.attachToTarget", targetId=target["targetId"], flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
@@ -53,22 +53,22 @@ class Chromium:
 
     def receive(self):
         """The next message."""
-        while b"\0" not in self.rest:
+        while b"\0" not in self.unread:
             if not select.select([self.in_], [], [], LIMIT)[0]:
                 raise TimeoutError(f"no message from Chromium for {LIMIT} s")
             more = os.read(self.in_, 1 << 20)
             if not more:
                 raise EOFError("Chromium ended")
-            self.rest += more
-        text, self.rest = self.rest.split(b"\0", 1)
+            self.unread += more
+        text, self.unread = self.unread.split(b"\0", 1)
         message = json.loads(text)
-        method, what = message.get("method"), message.get("params", {})
-        if method == "Runtime.exceptionThrown" or method == "Log.entryAdded" and what["entry"]["level"] in ("warning", "error"):
-            self.problems.append(what)
-        if method == "Runtime.consoleAPICalled" and what["type"] in ("warning", "error", "assert"):
-            self.problems.append(what)
+        method, params = message.get("method"), message.get("params", {})
+        if method == "Runtime.exceptionThrown" or method == "Log.entryAdded" and params["entry"]["level"] in ("warning", "error"):
+            self.problems.append(params)
+        if method == "Runtime.consoleAPICalled" and params["type"] in ("warning", "error", "assert"):
+            self.problems.append(params)
         if method == "Network.requestWillBeSent":
-            self.requests.append(what["request"]["url"][:100])
+            self.requests.append(params["request"]["url"][:100])
         return message
 
     def ask(self, method, **params):

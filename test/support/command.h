@@ -18,8 +18,17 @@ using Json = nlohmann::json;
 using Arguments = std::vector<std::string>;
 
 inline const std::string k_paper = bundled_data() / "paper_white_rgb.bsdf";
-inline const Arguments k_measure_names{"squared_error_ratio", "squared_error_ratio_cosine", "log_rms_cosine",
-                                       "sixth_root_error_ratio", "cube_root_error_ratio"};
+/// Measures of a report, over the matrix and held out.
+inline const Arguments k_measure_keys{"squared_error_ratio",
+                                      "heldout_squared_error_ratio",
+                                      "squared_error_ratio_cosine",
+                                      "heldout_squared_error_ratio_cosine",
+                                      "log_rms_cosine",
+                                      "heldout_log_rms_cosine",
+                                      "sixth_root_error_ratio",
+                                      "heldout_sixth_root_error_ratio",
+                                      "cube_root_error_ratio",
+                                      "heldout_cube_root_error_ratio"};
 
 inline Arguments operator+(Arguments a, const Arguments& b) {
     a.insert(a.end(), b.begin(), b.end());

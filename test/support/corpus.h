@@ -3,6 +3,9 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
+
+#include "temporary_folder.h"
 
 namespace srbf {
 
@@ -18,6 +21,15 @@ inline std::map<std::string, std::filesystem::path> corpora() {
     add(root / "fuzz" / "corpus");
     for (const auto& extra : fs::directory_iterator(root / "extras")) add(extra.path() / "corpus");
     return all;
+}
+
+/// The contents of the files of each target.
+inline std::map<std::string, std::vector<std::string>> corpus_files() {
+    std::map<std::string, std::vector<std::string>> files;
+    for (const auto& [target, folder] : corpora())
+        for (const auto& file : std::filesystem::directory_iterator(folder))
+            files[target].push_back(read_text(file.path()));
+    return files;
 }
 
 }  // namespace srbf

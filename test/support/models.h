@@ -1,6 +1,7 @@
 // Models for tests.
 #pragma once
 #include "base/half.h"
+#include "brdf/values.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/ggx/ggx_kind.h"
 #include "models/model_files.h"
@@ -17,6 +18,19 @@ struct RandomModelOptions {
     double max_bandwidth = 300;
     PmForm form = PmForm::gaussian;
 };
+
+/// A sum of Gaussians of the half vector about the normal, with these colours and bandwidths.
+inline PmModel axial_gaussians(std::vector<Rgb> colours, std::vector<float> bandwidths) {
+    PmModel model;
+    model.lobes = int(colours.size());
+    model.variates = 1;
+    model.log_scale.assign(colours.size(), 0);
+    model.centre.assign(colours.size(), {0, 0, 1});
+    model.parameterization = {{1, 1}};
+    model.coefficient = std::move(colours);
+    model.bandwidth = std::move(bandwidths);
+    return model;
+}
 
 /// A model with random numbers in the range of fits.
 inline PmModel random_model(std::mt19937_64& random, const RandomModelOptions& options) {
@@ -66,25 +80,27 @@ inline TexelMap random_map(std::mt19937_64& random, const RandomModelOptions& op
     return rounded(map);
 }
 
+/// A part of a BSDF with random lobes, whose colours are a tenth of those of `random_model`.
 inline std::shared_ptr<const Model> random_part(std::uint64_t seed, const RandomModelOptions& options) {
     std::mt19937_64 random(seed);
     PmModel model = random_model(random, options);
-    for (Rgb& colour : model.coefficient) colour = {0.1f * colour.r, 0.1f * colour.g, 0.1f * colour.b};
+    for (Rgb& colour : model.coefficient) colour = scaled(0.1f, colour);
     return std::make_shared<const Model>(Model{model, {}});
 }
 
 /// A BSDF of four models of different kinds, with beams.
 inline BsdfModel lobe_bsdf_with_beams(double max_bandwidth = 30) {
     BsdfModel bsdf;
-    const PmForm form = PmForm::horizon;
     for (std::size_t p = 0; p < k_parts; ++p)
-        bsdf.part[p] = random_part(p + 1, {.lobes = 3, .max_bandwidth = max_bandwidth, .form = form});
+        bsdf.part[p] = random_part(p + 1, {.lobes = 3, .max_bandwidth = max_bandwidth, .form = PmForm::horizon});
     bsdf.beam[0] = {{0.f, 1.f}, {{0.1f, 0.1f, 0.1f}, {0.2f, 0.2f, 0.2f}}};
     bsdf.beam[2] = {
         {0.5f, 0.9f}, {{0.3f, 0.2f, 0.1f}, {0.1f, 0.2f, 0.1f}, {0.2f, 0.1f, 0.3f}, {0.4f, 0.1f, 0}}, {1, 3}};
     bsdf.beam[3] = {{0.25f}, {{0.1f, 0.1f, 0.1f}, {0.3f, 0.3f, 0.3f}}, {2}};
     return bsdf;
 }
+
+inline GgxModel grey_facets() { return {{0.1f, 0.1f, 0.1f}, {{0.4f, {0.5f, 0.5f, 0.5f}, 1}}}; }
 
 /// A BSDF of four models of Lambert and GGX.
 inline BsdfModel ggx_bsdf() {

@@ -2,6 +2,7 @@
 #pragma once
 #include "app/peak.h"
 #include "brdf/directions.h"
+#include "brdf_functions.h"
 #include "properties.h"
 #include "srbf/measured.h"
 
@@ -10,12 +11,10 @@ namespace srbf {
 using ScalarBrdf = std::function<double(const Vec3d&, const Vec3d&)>;
 
 inline Evaluate to_evaluate(ScalarBrdf f) {
-    return [f = std::move(f)](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
-        for (std::size_t i = 0; i < values.size(); ++i) {
-            const auto y = wl[i].z > 0 && wv[i].z > 0 ? float(f(to_double(wl[i]), to_double(wv[i]))) : 0.f;
-            values[i] = {y, y, y};
-        }
-    };
+    return pairwise([f = std::move(f)](Vec3f wl, Vec3f wv) {
+        const auto y = wl.z > 0 && wv.z > 0 ? float(f(to_double(wl), to_double(wv))) : 0.f;
+        return Rgb{y, y, y};
+    });
 }
 /// A lobe about a direction that depends on the light.
 inline ScalarBrdf lobe(double bandwidth, double height, Vec3d (*centre)(const Vec3d&)) {

@@ -20,6 +20,16 @@ inline Vec3f direction_with_extremes(std::mt19937_64& random) {
     return to_float(random_direction(random, 1e-4));
 }
 
+/// The direction at these polar and azimuth angles [°].
+inline Vec3f direction_at(double theta, double phi) { return to_float(spherical(theta * k_degree, phi * k_degree)); }
+
+/// A number of the standard normal distribution, nearly: the sum of twelve uniform ones.
+inline double standard_normal(std::mt19937_64& random) {
+    double sum = -6;
+    for (int i = 0; i < 12; ++i) sum += uniform(random);
+    return sum;
+}
+
 /// ω rotated about the normal.
 inline Vec3f rotate(Vec3f w, double phi) {
     const double c = std::cos(phi), s = std::sin(phi);

@@ -7,7 +7,9 @@
 
 static unsigned long long state = 88172645463325252ull;
 static unsigned random_number(unsigned below) {
-    state ^= state << 13, state ^= state >> 7, state ^= state << 17;
+    state ^= state << 13;
+    state ^= state >> 7;
+    state ^= state << 17;
     return (unsigned)(state >> 33) % below;
 }
 static float random_float(void) { return (float)random_number(1u << 20) / (float)(1u << 20); }
@@ -18,8 +20,12 @@ static void use_model(const srbf_brdf* brdf) {
         float wv[3], u[3], rgb[3], alone[3], pdf;
         srbf_light light;
         const float z = 2 * random_float() - 1, r = sqrtf(1 - z * z), phi = 6.2831853f * random_float();
-        wv[0] = r * cosf(phi), wv[1] = r * sinf(phi), wv[2] = z;
-        u[0] = random_float(), u[1] = random_float(), u[2] = random_float();
+        wv[0] = r * cosf(phi);
+        wv[1] = r * sinf(phi);
+        wv[2] = z;
+        u[0] = random_float();
+        u[1] = random_float();
+        u[2] = random_float();
         srbf_sample(brdf, wv, u, &light);
         pdf = srbf_value_pdf(brdf, light.wl, wv, rgb);
         srbf_value(brdf, light.wl, wv, alone);

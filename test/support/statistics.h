@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <functional>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -37,17 +38,32 @@ inline double upper_gamma_ratio(double a, double x) {
 inline double chi2_p_value(std::span<const double> observed, std::span<const double> expected) {
     double chi2 = 0, few_observed = 0, few_expected = 0, total_observed = 0, total_expected = 0;
     int bins = 0;
-    const auto add = [&](double o, double e) { chi2 += (o - e) * (o - e) / e, ++bins; };
+    const auto add = [&](double o, double e) {
+        chi2 += (o - e) * (o - e) / e;
+        ++bins;
+    };
     for (std::size_t i = 0; i < observed.size(); ++i) {
-        total_observed += observed[i], total_expected += expected[i];
+        total_observed += observed[i];
+        total_expected += expected[i];
         if (expected[i] >= 5)
             add(observed[i], expected[i]);
-        else
-            few_observed += observed[i], few_expected += expected[i];
+        else {
+            few_observed += observed[i];
+            few_expected += expected[i];
+        }
     }
     if (few_expected > 0 || few_observed > 0) add(few_observed, std::max(few_expected, 1.0));
     if (!(std::abs(total_observed - total_expected) <= 0.5 * std::sqrt(total_observed)) || bins < 2) return 0;
     return upper_gamma_ratio(0.5 * (bins - 1), 0.5 * chi2);
+}
+
+inline double sum_of(std::span<const double> numbers) { return std::accumulate(numbers.begin(), numbers.end(), 0.0); }
+
+/// The p-value of counts whose expectations are proportional to `mass`.
+inline double chi2_p_value_of_shape(std::span<const double> observed, std::vector<double> mass) {
+    const double count_per_mass = sum_of(observed) / sum_of(mass);
+    for (double& m : mass) m *= count_per_mass;
+    return chi2_p_value(observed, mass);
 }
 
 /// The significance of each of `tests` tests, such that all together have `significance` (Šidák).
@@ -66,9 +82,9 @@ struct PolarBins {
     }
     Vec3d y() const { return cross(axis, x()); }
     std::size_t index(Vec3d w) const {
-        const double t = 0.5 * dot(w - axis, w - axis), turn = std::atan2(dot(w, y()), dot(w, x())) / (2 * k_pi);
+        const double t = 0.5 * dot(w - axis, w - axis), turns = std::atan2(dot(w, y()), dot(w, x())) / (2 * k_pi);
         const auto ring = std::upper_bound(edge.begin() + 1, edge.end() - 1, t) - edge.begin() - 1;
-        const int sector = std::min(int((turn < 0 ? turn + 1 : turn) * sectors), sectors - 1);
+        const int sector = std::min(int((turns < 0 ? turns + 1 : turns) * sectors), sectors - 1);
         return std::size_t(ring) * std::size_t(sectors) + std::size_t(sector);
     }
     /// The integral of `pdf` over each bin, by midpoints.
@@ -102,6 +118,11 @@ double sampler_p_value(const PolarBins& bins, const std::function<double(Vec3d)>
         if (std::abs(dot(w, w) - 1) <= 1e-5) observed[bins.index(w)] += 1;
     }
     return chi2_p_value(observed, expected);
+}
+
+/// Rings over the sphere about the normal.
+inline PolarBins sphere_bins() {
+    return {{0, 0, 1}, {0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6, 1.8, 1.9, 2}};
 }
 
 /// Rings of half vectors about the normal, narrow where lobes are.

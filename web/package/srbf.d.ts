@@ -1,5 +1,5 @@
 /** Options of a fit. Omitted options have the defaults of `srbf fit`. */
-export interface PmFitOptions {
+export interface FitOptions {
   /** The kind of model, by its name in `srbf fit --model`. */
   model?: string;
   lobes?: number;
@@ -67,6 +67,6 @@ export interface Model extends Brdf {
 }
 
 /** Fits a model to the bytes of a measurement with this name. Throws an Error of one line: file, offset, what, expected, found. */
-export function fit(bytes: Uint8Array, options?: PmFitOptions & { name?: string }): Promise<Model>;
+export function fit(bytes: Uint8Array, options?: FitOptions & { name?: string }): Promise<Model>;
 /** Reads a measurement, or a model. */
 export function open(bytes: Uint8Array, name?: string): Promise<Brdf | Model>;

@@ -179,7 +179,8 @@ TEST(FitPatches, ARollerShadeIsSampledWithLittleNoise) {
             const Vec2f u{float(uniform(random)), float(uniform(random))};
             const double weight =
                 luminance(sample(bsdf, to_float(spherical(theta * k_degree, 0.3)), u, float(uniform(random))).weight);
-            sum += weight, squares += weight * weight;
+            sum += weight;
+            squares += weight * weight;
         }
         EXPECT_LE(squares * count / (sum * sum) - 1, 0.1) << theta;
     }

@@ -210,8 +210,11 @@ CubeFile to_dds(const FilteredEnvironment& environment) {
                                          8 * size,
                                          0,
                                          FilteredEnvironment::k_levels};
-    header[19] = 32, header[20] = k_four_characters, header[21] = k_halves;
-    header[27] = k_complex_texture_mipmap, header[28] = k_cube_of_all_faces;
+    header[19] = 32;
+    header[20] = k_four_characters;
+    header[21] = k_halves;
+    header[27] = k_complex_texture_mipmap;
+    header[28] = k_cube_of_all_faces;
     CubeFile file;
     const auto append = [&](const auto& numbers) {
         const auto bytes = std::as_bytes(std::span(numbers));

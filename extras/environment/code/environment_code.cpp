@@ -163,8 +163,14 @@ std::map<std::string, std::string> light_entries(const EnvironmentCode& code, Co
     if (code.texels && code.fixed) add("lobe_roughness");
     if (code.colours) add("reflected");
     if (code.area) add("area");
-    if (code.environment && can_read_textures) add("radiance"), add("environment");
-    if (code.draws && can_read_textures) add("radiance_over"), add("environment_sampled");
+    if (code.environment && can_read_textures) {
+        add("radiance");
+        add("environment");
+    }
+    if (code.draws && can_read_textures) {
+        add("radiance_over");
+        add("environment_sampled");
+    }
     return names;
 }
 

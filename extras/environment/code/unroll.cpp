@@ -71,7 +71,10 @@ void unroll_loops(std::vector<Statement>& body) {
         unroll_loops(statement.body);
         unroll_loops(statement.otherwise);
         std::optional<double> first, end;
-        if (statement.kind == SKind::loop) first = literal(statement.values[0]), end = literal(statement.values[1]);
+        if (statement.kind == SKind::loop) {
+            first = literal(statement.values[0]);
+            end = literal(statement.values[1]);
+        }
         if (!first || !end || *end - *first > k_max_repeated || !indexes(statement)) {
             result.push_back(std::move(statement));
             continue;
@@ -161,7 +164,10 @@ void replace_calls(Program& program) {
 }  // namespace
 
 void unroll(Program& program, const std::vector<std::string>& roots) {
-    for (Function& function : program.functions) unroll_loops(function.body), join_sums(function.body);
+    for (Function& function : program.functions) {
+        unroll_loops(function.body);
+        join_sums(function.body);
+    }
     specialise(program, roots);
     replace_calls(program);
     specialise(program, roots);

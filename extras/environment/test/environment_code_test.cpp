@@ -47,10 +47,12 @@ TEST_F(EnvironmentCode, DrawsAreOfTheEnvironment) {
             const Vec3f wl = points.w[k];
             const Rgb f = value(brdf, wl, wv);
             const float weight = float(points.weight[k]) * wl.z;
-            expected.r += weight * f.r * (1 + wl.x), expected.g += weight * f.g * (1 + wl.z),
-                expected.b += weight * f.b;
+            expected.r += weight * f.r * (1 + wl.x);
+            expected.g += weight * f.g * (1 + wl.z);
+            expected.b += weight * f.b;
         }
-        answer(&wv.x, 64, &found.r), answer(&wv.x, 4096, &found_by_many.r);
+        answer(&wv.x, 64, &found.r);
+        answer(&wv.x, 4096, &found_by_many.r);
         for (int c = 0; c < 2; ++c) {
             const double error = double(found[c]) / double(expected[c]) - 1;
             EXPECT_LT(std::abs(error), 0.12) << wv.z;
@@ -275,7 +277,8 @@ TEST_F(EnvironmentCode, UnrolledLoopsComputeTheSame) {
     std::mt19937_64 random(2);
     PmModel lobes =
         random_model(random, {.log_scale = true, .lobes = 4, .max_bandwidth = 40, .form = PmForm::reciprocal});
-    lobes.bandwidth[1] = 0, lobes.coefficient[2].g = 0;
+    lobes.bandwidth[1] = 0;
+    lobes.coefficient[2].g = 0;
     const Model model{rounded(lobes), {}};
     const NamedModel named{"film", &model};
     std::string texts[2];

@@ -169,7 +169,9 @@ TEST(ExtendedLight, SharedLobesReflectAnySum) {
 // which lobes lie.
 TEST(ExtendedLight, AnisotropicIsTheMeanOverAzimuths) {
     OpenPbrModel metal;
-    metal.base_metalness = 1, metal.specular_roughness = 0.5f, metal.specular_roughness_anisotropy = 0.8f;
+    metal.base_metalness = 1;
+    metal.specular_roughness = 0.5f;
+    metal.specular_roughness_anisotropy = 0.8f;
     const Model model{metal, {}};
     const PreparedBrdf brdf = prepare(model);
     const ExtendedLight light = extended_light(brdf, {.isotropic = false});
@@ -190,7 +192,8 @@ TEST(ExtendedLight, AnisotropicIsTheMeanOverAzimuths) {
             const double half = reflected(
                 [&](const Vec3d& w) { return 0.5 * ((dot(w, turned(away)) > 0) + (dot(w, turned(mirrored)) > 0)); });
             const double all = reflected([](const Vec3d&) { return 1.0; });
-            lit += half, whole += all;
+            lit += half;
+            whole += all;
             if (i == 0) first = half / all;
         }
         const double looked = looked_up(light, wv, [&](const Vec3d&w) { return dot(w, away) > 0 ? 1.0 : 0; }),

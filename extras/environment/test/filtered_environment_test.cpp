@@ -43,7 +43,8 @@ TEST(FilteredEnvironment, IsTheMeanByTheKernel) {
             double sum = 0, weight = 0;
             for (const Vec3d& direction : all) {
                 const double k = double(filter_kernel(roughness, float(dot(w, direction))));
-                sum += k * double(environment.at(to_float(direction)).radiance.g), weight += k;
+                sum += k * double(environment.at(to_float(direction)).radiance.g);
+                weight += k;
             }
             const double mean = sum / weight, brightest = 100 * (roughness < 0.6f ? 0.05 : 0.01);
             EXPECT_WITHIN(double(filtered.at(to_float(w), roughness).g), mean, 0.02 * mean + 0.02 * brightest)

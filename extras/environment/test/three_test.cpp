@@ -213,7 +213,8 @@ Differences differences(const std::vector<Float4>& pixels, const MapScene& scene
     Differences found{};
     std::vector<std::array<Rgb, 2>> colours;
     Camera camera;
-    camera.eye = k_eye, camera.fov = k_fov;
+    camera.eye = k_eye;
+    camera.fov = k_fov;
     const bool is_perspective = scene.json.contains("fov");
     for (int y = 0; y < scene.size; ++y)
         for (int x = 0; x < scene.size; ++x) {
@@ -235,13 +236,17 @@ Differences differences(const std::vector<Float4>& pixels, const MapScene& scene
             for (int channel = 0; channel < 3; ++channel) {
                 const double expected = k_irradiance * k_towards.z * double(f[channel]);
                 const double drawn = double(pixels[std::size_t(y * scene.size + x)][std::size_t(channel)]);
-                colours.back()[0][channel] = float(expected), colours.back()[1][channel] = float(drawn);
+                colours.back()[0][channel] = float(expected);
+                colours.back()[1][channel] = float(drawn);
                 found.largest = std::max(found.largest, expected);
                 found.max = std::max(found.max, std::abs(drawn - expected));
             }
         }
     for (auto& [expected, drawn] : colours) {
-        for (int c = 0; c < 3; ++c) expected[c] /= float(found.largest), drawn[c] /= float(found.largest);
+        for (int c = 0; c < 3; ++c) {
+            expected[c] /= float(found.largest);
+            drawn[c] /= float(found.largest);
+        }
         found.delta_e += delta_e_itp(expected, drawn) / double(colours.size());
     }
     return found;
@@ -362,8 +367,10 @@ TEST(Three, ShowsAMapAsItsTexels) {
         const auto mapped = drawn(i), single = drawn(i + 1);
         double sum = 0, difference = 0;
         for (std::size_t k = 0; k < single.size(); ++k)
-            for (std::size_t c = 0; c < 3; ++c)
-                sum += double(single[k][c]), difference += std::abs(double(mapped[k][c]) - double(single[k][c]));
+            for (std::size_t c = 0; c < 3; ++c) {
+                sum += double(single[k][c]);
+                difference += std::abs(double(mapped[k][c]) - double(single[k][c]));
+            }
         EXPECT_GT(sum, 0);
         EXPECT_LT(difference, (i == k_first_constant ? 1e-4 : 0.02) * sum)
             << i;  // weights of environments are nearly the same

@@ -42,7 +42,7 @@ struct MapInParts {
     std::function<Result<TexelCoefficients>(std::size_t first, std::size_t count)> solve;
 };
 
-struct Total {
+struct TexelTotals {
     std::size_t black = 0, failed = 0, left_out = 0;
     double error = 0;
 };
@@ -53,8 +53,8 @@ std::vector<std::byte> bytes_of(const std::vector<std::uint16_t>& halves) {
 }
 
 /// Writes the map. One part of the texels is in memory, and the errors of all.
-Result<Total> write_in_parts(const std::string& path, const MapInParts& map) {
-    Total total;
+Result<TexelTotals> write_in_parts(const std::string& path, const MapInParts& map) {
+    TexelTotals total;
     ProgressLine line;
     std::vector<std::uint16_t> errors;
     bool has_begun = false;
@@ -84,7 +84,8 @@ Result<Total> write_in_parts(const std::string& path, const MapInParts& map) {
 /// A map of the lobes of `fitted`, without texels.
 TexelMap lobes_of(const TexelMap& fitted, std::size_t width) {
     TexelMap map;
-    map.basis = fitted.basis, map.width = width;
+    map.basis = fitted.basis;
+    map.width = width;
     map.provenance = {{"generator", "srbf " SRBF_VERSION}, {"objective", "appearance"}};
     return map;
 }

@@ -72,7 +72,8 @@ Result<NpyFile> NpyFile::open(const std::string& path) {
     const auto head = read_npy_head(std::span(beginning).first(*count), size, path);
     if (!head) return head.error();
     NpyFile file(*std::move(reader));
-    file.shape_ = head->shape, file.data_ = head->data;
+    file.shape_ = head->shape;
+    file.data_ = head->data;
     return file;
 }
 

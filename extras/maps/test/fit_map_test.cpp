@@ -17,7 +17,9 @@ namespace {
 /// Three axial lobes: diffuse, a broad and a narrow highlight.
 PmModel lobes_of_three() {
     PmModel model;
-    model.form = PmForm::horizon, model.lobes = 3, model.variates = 1;
+    model.form = PmForm::horizon;
+    model.lobes = 3;
+    model.variates = 1;
     model.coefficient.assign(3, {1, 1, 1}), model.log_scale.assign(3, 0), model.exponent.assign(3, 0);
     model.centre.assign(3, {0, 0, 1}), model.bandwidth = {0, 10, 200}, model.parameterization = {{1, 1}};
     return model;
@@ -137,7 +139,8 @@ TEST(FitMap, CoefficientsOfTexelsAreBoundedTowardsTheHorizon) {
         largest = std::max(largest, value * area);
     }
     const TexelCoefficients found = coefficients_of_texels(map, {wl, wv, true}, f, 1);
-    map.coefficient = found.coefficient, map.error = found.error;
+    map.coefficient = found.coefficient;
+    map.error = found.error;
     const auto [beyond_l, beyond_v] = directions(61, 89.9);
     std::vector<Rgb> g(beyond_l.size());
     evaluate(texel(map, 0), beyond_l, beyond_v, g);
@@ -165,10 +168,12 @@ TEST(FitMap, MatteTexelsHaveNoHighlights) {
     }
     const SharedPairs pairs{wl, wv, true};
     MapOptions options;
-    options.lobes = 8, options.threads = 1;
+    options.lobes = 8;
+    options.threads = 1;
     auto map = checked(fit_map(pairs, f, options));
     const TexelCoefficients found = coefficients_of_texels(*map, pairs, f, 1);
-    map->coefficient = found.coefficient, map->error = found.error;
+    map->coefficient = found.coefficient;
+    map->error = found.error;
     for (const Rgb& colour : found.coefficient)
         for (int c = 0; c < 3; ++c) EXPECT_EQ(colour[c], round_to_half(colour[c]));
     std::vector<Vec3f> l, v;
@@ -206,7 +211,10 @@ TEST(FitMap, SharedLobesAreFound) {
         materials.push_back({{}, {}, 0, to_merl(evaluator(model), {45, 45, 36}, 1)});
     }
     MapOptions options;
-    options.form = PmForm::horizon, options.lobes = 4, options.variates = 2, options.threads = 1;
+    options.form = PmForm::horizon;
+    options.lobes = 4;
+    options.variates = 2;
+    options.threads = 1;
     const auto one = checked(fit_map(materials, options));
     options.threads = 2;
     const auto two = checked(fit_map(materials, options));

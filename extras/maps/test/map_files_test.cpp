@@ -108,7 +108,8 @@ TEST_F(MapFiles, MasksPaintMaterials) {
         }
     EXPECT_EQ(map({paper, "--masks", "masks.npy"}).status, 1);
     EXPECT_EQ(map({paper, "pairs.csv", "--masks", "masks.npy"}).status, 1);
-    fractions[3] = -1, write_npy("masks.npy", "(1, 4, 2)", fractions);
+    fractions[3] = -1;
+    write_npy("masks.npy", "(1, 4, 2)", fractions);
     const ProgramRun refused = map({paper, film, "--masks", "masks.npy"});
     EXPECT_EQ(refused.status, 1);
     EXPECT_CONTAINS(refused.err, "share of texel 1: expected a number of at least 0, found -1");

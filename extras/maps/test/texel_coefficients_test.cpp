@@ -16,7 +16,9 @@ constexpr float k_nan = std::numeric_limits<float>::quiet_NaN();
 TexelMap three_lobes() {
     TexelMap map;
     PmModel& model = map.basis;
-    model.form = PmForm::horizon, model.lobes = 3, model.variates = 1;
+    model.form = PmForm::horizon;
+    model.lobes = 3;
+    model.variates = 1;
     model.coefficient.assign(3, {1, 1, 1}), model.log_scale.assign(3, 0), model.exponent.assign(3, 0);
     model.centre.assign(3, {0, 0, 1}), model.bandwidth = {0, 10, 200}, model.parameterization = {{1, 1}};
     map.width = 1, map.error = {0}, map.coefficient = {{0.25f, 0.2f, 0.1f}, {0, 0, 0}, {4, 4, 4}};
@@ -53,7 +55,8 @@ class BadTexels : public testing::Test {
 
 TEST_F(BadTexels, ValuesThatWereNotMeasuredAreCountedAndLeftOut) {
     std::vector<Rgb> f = good;
-    f[3].g = k_nan, f[4].b = std::numeric_limits<float>::infinity();
+    f[3].g = k_nan;
+    f[4].b = std::numeric_limits<float>::infinity();
     f[5] = {1e30f, 1e30f, 1e30f};
     const TexelCoefficients found = fit(f);
     EXPECT_EQ(found.left_out[0], 3u);
@@ -74,7 +77,9 @@ TEST_F(BadTexels, OneHotPixelHasLittleWeightAndATexelTooBrightFails) {
 
 TEST_F(BadTexels, APairWithoutLightAndFewPairsSuffice) {
     const std::size_t count = 17;
-    pairs.wl.resize(count), pairs.wv.resize(count), good.resize(count);
+    pairs.wl.resize(count);
+    pairs.wv.resize(count);
+    good.resize(count);
     std::vector<Rgb> f = good;
     pairs.wl.push_back({1, 0, -0.01f}), pairs.wv.push_back({0, 0, 1}), f.push_back({7, 7, 7});
     const TexelCoefficients found = fit(f);

@@ -26,7 +26,8 @@ inline SharedPairs shared_pairs(std::uint64_t seed = 1) {
         const double u1 = uniform(random), u2 = uniform(random), u3 = uniform(random);
         const Vec3d l = pairs.wl.size() % 2 == 0 ? in_cap() : lights.sample(v, u1, u2, u3);
         if (l.z < std::cos(cap)) continue;
-        pairs.wl.push_back(to_float(l)), pairs.wv.push_back(to_float(v));
+        pairs.wl.push_back(to_float(l));
+        pairs.wv.push_back(to_float(v));
     }
     return pairs;
 }

@@ -175,7 +175,9 @@ TEST(Scatter, RotationsAreOfTheFormats) {
         EXPECT_WITHIN(f_at(*zemax, phi), f_of_light_azimuth(phi * k_degree), 4e-3) << phi;
     // Rotations up to 90° are also mirrored, together with the viewer.
     ScatterTable quarter = *table_as<ScatterTable>(*speos);
-    quarter.rotation.resize(7), quarter.first.resize(8), quarter.slices.resize(quarter.first.back());
+    quarter.rotation.resize(7);
+    quarter.first.resize(8);
+    quarter.slices.resize(quarter.first.back());
     for (ScatterTable::Slice& slice : quarter.slices)
         slice.azimuth = {0, float(k_pi / 2), float(k_pi), float(1.5 * k_pi), float(2 * k_pi)},
         slice.f = {1, 2, 3, 4, 1, 1, 2, 3, 4, 1};
@@ -202,10 +204,15 @@ TEST(Scatter, WriteReadIdentity) {
                 Rgb f;
                 brdf(std::span(&wl, 1), std::span(&wv, 1), std::span(&f, 1));
                 const Rgb looked_up = value(table, wl, wv);
-                error += std::abs(double(looked_up.g - f.g)), sum += double(f.g);
+                error += std::abs(double(looked_up.g - f.g));
+                sum += double(f.g);
             }
             EXPECT_LT(error, 0.05 * sum) << about_mirror << isotropic;
-            if (!isotropic) table.slices.resize(table.first[2]), table.first.resize(3), table.rotation.resize(2);
+            if (!isotropic) {
+                table.slices.resize(table.first[2]);
+                table.first.resize(3);
+                table.rotation.resize(2);
+            }
             const ScatterTable* const one[] = {&table};
             const std::string text = about_mirror ? write_zemax(table) : write_speos(one);
             const auto again = checked(read(text));
@@ -515,7 +522,10 @@ TEST(Scatter, FilesOfInstrumentsHaveTheirIntegrals) {
         for (int i = 0; i < 500; ++i) {
             const Vec3f wv = to_float(random_direction(random, 0.5));
             const double a = factor * double(value(*zemax, wl, wv).g), b = double(value(*speos, wl, wv).g);
-            if (std::isfinite(a) && std::isfinite(b)) error += std::abs(a - b), sum += a;
+            if (std::isfinite(a) && std::isfinite(b)) {
+                error += std::abs(a - b);
+                sum += a;
+            }
         }
         EXPECT_LT(error, 0.02 * sum) << incidence;
     }

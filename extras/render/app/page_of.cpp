@@ -45,7 +45,8 @@ PageMaterial measured_material(Page& page, const LoadedFile& reference, const Me
     const MerlTable table = tabulate_merl(measured, k_page_table);
     const Evaluate pictured[] = {evaluator(table)}, symmetrised = [&](auto wl, auto wv, auto f) {
         std::vector<Rgb> swapped(f.size());
-        measured(wl, wv, f), measured(wv, wl, swapped);
+        measured(wl, wv, f);
+        measured(wv, wl, swapped);
         for (std::size_t i = 0; i < f.size(); ++i)
             for (int c = 0; c < 3; ++c) f[i][c] = (f[i][c] + swapped[i][c]) / 2;
     };

@@ -75,8 +75,10 @@ Room room() {
     const auto front = [&](float left, float bottom, float right, float top) {
         add_rectangle(walls, {left, bottom, 0}, {0, top - bottom, 0}, {right - left, 0, 0});
     };
-    front(-x, 0, x, k_sill), front(-x, k_top, x, k_height);
-    front(-x, k_sill, k_left, k_top), front(k_right, k_sill, x, k_top);
+    front(-x, 0, x, k_sill);
+    front(-x, k_top, x, k_height);
+    front(-x, k_sill, k_left, k_top);
+    front(k_right, k_sill, x, k_top);
     add_rectangle(room.floor, {-x, 1e-3f, -k_depth}, {0, 0, k_depth}, {k_width, 0, 0});
     room.ball = sphere(48);
     for (Vec3f& p : room.ball.positions) p = k_radius * p + Vec3f{0.7f, k_radius, -1.3f};

@@ -97,7 +97,8 @@ Result<Done> write_float(const RenderedPictures& pictures, const RenderCommand& 
     const Image joined = join_images(radiance);
     if (options.aov) {
         for (const FirstHits& first : pictures.first) {
-            normal.push_back(first.normal), albedo.push_back(first.albedo);
+            normal.push_back(first.normal);
+            albedo.push_back(first.albedo);
             depth.emplace_back(first.normal.width, first.normal.height);
             for (std::size_t i = 0; i < first.depth.size(); ++i) depth.back().pixels[i].r = first.depth[i];
         }
@@ -236,7 +237,8 @@ Check size_in_pixels(int& width, int& height) {
         };
         const std::string_view size = text;
         const auto separator = std::min(size.find('x'), size.size());
-        width = number(size.substr(0, separator)), height = number(size.substr(std::min(separator + 1, size.size())));
+        width = number(size.substr(0, separator));
+        height = number(size.substr(std::min(separator + 1, size.size())));
         if (width >= 1 && height >= 1) return {};
         return fmt::format("expected WxH, each from 1 to {}, found {}", k_max_pixels, text);
     };

@@ -50,7 +50,9 @@ TEST(Likeness, FallsWithNoise) {
         EXPECT_LT(found.psnr, psnr);
         EXPECT_LT(found.ssim, ssim);
         EXPECT_GT(found.flip, flip);
-        psnr = found.psnr, ssim = found.ssim, flip = found.flip;
+        psnr = found.psnr;
+        ssim = found.ssim;
+        flip = found.flip;
     }
 }
 

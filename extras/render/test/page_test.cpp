@@ -320,7 +320,10 @@ double psnr(const std::string& rgba, const Image8& other) {
             squared_difference += std::pow(double(pixel) - double(other.pixels[i][c]), 2);
             covered = covered || pixel != background[c] || other.pixels[i][c] != background[c];
         }
-        if (covered) squares += squared_difference, seen += 3;
+        if (covered) {
+            squares += squared_difference;
+            seen += 3;
+        }
     }
     EXPECT_GT(seen, 0.1 * 3 * double(other.pixels.size()));
     return 10 * std::log10(255 * 255 * seen / std::max(squares, 1e-9));
@@ -371,7 +374,9 @@ Image8 traced_picture(const Json& picture, const Material& material) {
         material);
     const PathScene paths{{{&scene.mesh, 0}}, {prepared}, scene.camera, scene.lights, {}, &environment};
     PathOptions options;
-    options.width = picture.at("width"), options.height = picture.at("height"), options.samples = 256,
+    options.width = picture.at("width");
+    options.height = picture.at("height");
+    options.samples = 256;
     options.occlusion = false;
     return shown(render_paths(paths, options).rendering, picture["scene"]["exposure"]);
 }
@@ -393,7 +398,8 @@ double middle_of_highlights(const std::string& rgba, int width) {
     double sum = 0, weight = 0;
     for (std::size_t i = 0; i < rgba.size() / 4; ++i) {
         const double bright = std::pow(double(std::uint8_t(rgba[4 * i + 1])) / 255, 8);
-        sum += bright * double(i % std::size_t(width)), weight += bright;
+        sum += bright * double(i % std::size_t(width));
+        weight += bright;
     }
     return sum / weight;
 }

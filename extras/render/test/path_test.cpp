@@ -69,7 +69,10 @@ struct Mean {
 /// Statistics of the green channel of all pixels, as independent samples of one number.
 Mean mean_of(const Image& image) {
     double sum = 0, squares = 0;
-    for (const Rgb& pixel : image.pixels) sum += double(pixel.g), squares += double(pixel.g) * double(pixel.g);
+    for (const Rgb& pixel : image.pixels) {
+        sum += double(pixel.g);
+        squares += double(pixel.g) * double(pixel.g);
+    }
     const double n = double(image.pixels.size()), mean = sum / n;
     return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean) / n)};
 }
@@ -240,7 +243,8 @@ TEST_F(Path, AConstantMapIsItsModel) {
     const auto drawn = [&](const PathMaterial& material, std::uint64_t seed) {
         scene.materials = {material};
         PathOptions options = small(256);
-        options.bounces = 1, options.seed = seed;
+        options.bounces = 1;
+        options.seed = seed;
         return render_paths(scene, options).rendering.radiance;
     };
     const Mean model = mean_of(drawn(scene.materials[0], 1)), same = mean_of(drawn(prepared, 2));
@@ -355,7 +359,10 @@ TEST_F(Path, PictureDoesNotDependOnThreads) {
     options.threads = 0;
     int calls = 0;
     double last = 0;
-    options.progress = [&](double part) { ++calls, last = part; };
+    options.progress = [&](double part) {
+        ++calls;
+        last = part;
+    };
     const PathPicture all = render_paths(scene, options);
     EXPECT_EQ(one.rendering.radiance, all.rendering.radiance);
     EXPECT_EQ(one.first.normal, all.first.normal);
@@ -394,8 +401,10 @@ TEST_F(Path, TheRimIsBounded) {
     PathOptions options = small(4, 128);
     options.occlusion = false;
     float max = 0, min = 1;
-    for (const Rgb& pixel : render_paths(scene, options).rendering.radiance.pixels)
-        max = std::max(max, pixel.g), min = std::min(min, pixel.g);
+    for (const Rgb& pixel : render_paths(scene, options).rendering.radiance.pixels) {
+        max = std::max(max, pixel.g);
+        min = std::min(min, pixel.g);
+    }
     EXPECT_LE(max, 1.01f);   // that of the environment
     EXPECT_LE(min, 0.011f);  // that of the middle of the sphere
 }

@@ -156,7 +156,10 @@ const SuModel& film_su() {
 const PmModel& film_pm() {
     static const PmModel model = [] {
         PmFitOptions options;
-        options.lobes = 8, options.variates = 4, options.starts = 2, options.perturbations = 0;
+        options.lobes = 8;
+        options.variates = 4;
+        options.starts = 2;
+        options.perturbations = 0;
         return rounded(fit_pm(*observe(signed_evaluator(film()), {.count = 8192}), options)->model);
     }();
     return model;
@@ -196,9 +199,11 @@ TEST_P(Raster, SurfacesLookAsOnTheCpu) {
     model.coat_weight = 0.7f, model.coat_color = {0.9f, 0.8f, 0.7f}, model.coat_roughness = 0.2f;
     model.fuzz_weight = 0.5f, model.fuzz_color = {0.1f, 0.2f, 0.4f};
     EXPECT_GE(psnr(model, sphere_scene()), 50);
-    model.thin_film_weight = 0.8f, model.thin_film_thickness = 0.4f;
+    model.thin_film_weight = 0.8f;
+    model.thin_film_thickness = 0.4f;
     EXPECT_GE(psnr(model, knot_scene(), PixelInput::surface), 50);
-    model.specular_roughness_anisotropy = 0.7f, model.specular_rotation = 0.1f;
+    model.specular_roughness_anisotropy = 0.7f;
+    model.specular_rotation = 0.1f;
     EXPECT_GE(psnr(model, sphere_scene()), 50);
 }
 
@@ -211,7 +216,8 @@ TEST_P(Raster, ViewByViewModelsLookAsOnTheCpu) {
         model.index = index_texture(model, map);
         for (const Discretise discretise : {Discretise::view, Discretise::light})
             for (const int neighbours : {map == DirectionMap::cube ? 7 : 1, 3}) {
-                model.discretise = discretise, model.neighbours = neighbours;
+                model.discretise = discretise;
+                model.neighbours = neighbours;
                 const Scene& scene = neighbours == 3 ? knot_scene() : sphere_scene();
                 EXPECT_GE(psnr(model, scene), 45) << name(map) << ' ' << name(discretise) << ' ' << neighbours;
             }
@@ -316,7 +322,10 @@ constexpr int k_traced = 96;  // pixels across of pictures of paths
 template <typename M> Rendering traced(const Scene& scene, const M& material) {
     const PathScene paths{{{&scene.mesh, 0}}, {material}, scene.camera, scene.lights, {}, nullptr};
     PathOptions options;
-    options.width = options.height = k_traced, options.samples = 16, options.bounces = 1, options.occlusion = false,
+    options.width = options.height = k_traced;
+    options.samples = 16;
+    options.bounces = 1;
+    options.occlusion = false;
     options.threads = 1;
     return render_paths(paths, options).rendering;
 }
@@ -341,7 +350,8 @@ TEST(Rasterize, BothSidesAreLitFromBothSides) {
     if (const auto context = OffscreenContext::make(); !context) GTEST_SKIP() << message(context.error());
     const Model ggx{ggx_bsdf(), {}};
     BsdfModel lobes = lobe_bsdf_with_beams(5);
-    lobes.part[1].reset(), lobes.part[3].reset();
+    lobes.part[1].reset();
+    lobes.part[3].reset();
     BsdfTables tables;
     const Evaluate values = evaluator(ggx);
     for (std::size_t p = 0; p < k_parts; ++p)

@@ -30,34 +30,34 @@ struct FacetAlbedo {
     Real bias;
 };
 SRBF_FN FacetAlbedo facet_albedo(Real x, Real y) {
-    FacetAlbedo albedo_;
-    albedo_.scale = clamped_to_unit(
+    FacetAlbedo facet;
+    facet.scale = clamped_to_unit(
         polynomial(x, polynomial(y, Real(0.1003), Real(9.748), Real(-8.245)),
                   polynomial(y, Real(-0.6303), Real(-2.038), Real(19.99)),
                   polynomial(y, Real(29.34), Real(-26.44), Real(-5.448))) /
         polynomial(x, polynomial(y, Real(1.0), Real(8.263), Real(-7.507)),
                   polynomial(y, Real(-1.765), Real(11.53), Real(15.86)),
                   polynomial(y, Real(28.96), Real(-36.11), Real(33.37))));
-    albedo_.bias = clamped_to_unit(
+    facet.bias = clamped_to_unit(
         polynomial(x, polynomial(y, Real(0.9345), Real(2.229), Real(-0.7684)),
                   polynomial(y, Real(-2.323), Real(-3.748), Real(0.2913)),
                   polynomial(y, Real(1.424), Real(1.436), Real(0.6286))) /
         polynomial(x, polynomial(y, Real(1.0), Real(15.94), Real(41.26)),
                   polynomial(y, Real(0.2281), Real(-55.83), Real(300.2)),
                   polynomial(y, Real(13.08), Real(54.9), Real(-285.1))));
-    return albedo_;
+    return facet;
 }
 // (1 - E) / E, where E is the albedo of facets that reflect all light. Light that is scattered more than once
 // multiplies a lobe by 1 + F0 (1 - E) / E (Turquin, "Practical multiple scattering compensation for microfacet
 // models", 2019).
-SRBF_FN Real multiple_scattering(FacetAlbedo albedo_) {
-    Real whole = max(albedo_.scale + albedo_.bias, Real(0.1));
+SRBF_FN Real multiple_scattering(FacetAlbedo facet) {
+    Real whole = max(facet.scale + facet.bias, Real(0.1));
     return max(Real(1.0) - whole, Real(0.0)) / whole;
 }
 // The albedo of facets with normal reflectance f0, including multiple scattering.
-SRBF_FN Real lobe_albedo(FacetAlbedo albedo_, Real f0) {
-    return clamped_to_unit((f0 * albedo_.scale + albedo_.bias * clamped_to_unit(Real(50.0) * f0)) *
-                     (Real(1.0) + f0 * multiple_scattering(albedo_)));
+SRBF_FN Real lobe_albedo(FacetAlbedo facet, Real f0) {
+    return clamped_to_unit((f0 * facet.scale + facet.bias * clamped_to_unit(Real(50.0) * f0)) *
+                     (Real(1.0) + f0 * multiple_scattering(facet)));
 }
 
 // The energy-preserving Oren-Nayar model, EON (Portsmouth, Kutz & Hill 2025) [1/sr], with roughness r from 0
@@ -68,18 +68,18 @@ SRBF_FN Real eon_share(Real cosine, Real r) {
     Real g = m * (Real(0.0571085289) + m * (Real(0.491881867) + m * (Real(-0.332181442) + m * Real(0.0714429953))));
     return (Real(1.0) + r * g) / (Real(1.0) + Real(0.28779341) * r);
 }
-SRBF_FN Real eon_again(Real colour, Real mean) {
+SRBF_FN Real eon_multiple_colour(Real colour, Real mean) {
     return colour * colour * mean / (Real(1.0) - colour * (Real(1.0) - mean));
 }
 SRBF_FN Vec3 eon_value(Vec3 colour, Real r, Vec3 wl, Vec3 wv) {
     Real s = wl.x * wv.x + wl.y * wv.y;
-    Real of_first = Real(1.0) / (Real(1.0) + Real(0.28779341) * r);
-    Real single = of_first * (Real(1.0) + r * select(Real(0.0) < s, s / max(max(wl.z, wv.z), Real(1.0e-6)), s));
-    Real mean = of_first * (Real(1.0) + Real(0.07248821) * r);
-    Real apart = max(Real(1.0) - eon_share(wl.z, r), Real(1.0e-6)) * max(Real(1.0) - eon_share(wv.z, r), Real(1.0e-6)) /
+    Real single_scale = Real(1.0) / (Real(1.0) + Real(0.28779341) * r);
+    Real single = single_scale * (Real(1.0) + r * select(Real(0.0) < s, s / max(max(wl.z, wv.z), Real(1.0e-6)), s));
+    Real mean = single_scale * (Real(1.0) + Real(0.07248821) * r);
+    Real multiple_scale = max(Real(1.0) - eon_share(wl.z, r), Real(1.0e-6)) * max(Real(1.0) - eon_share(wv.z, r), Real(1.0e-6)) /
                  max(Real(1.0) - mean, Real(1.0e-6));
-    Vec3 again = Vec3(eon_again(colour.x, mean), eon_again(colour.y, mean), eon_again(colour.z, mean));
-    return Real(2.0 / SRBF_TWO_PI) * (single * colour + apart * again);
+    Vec3 multiple = Vec3(eon_multiple_colour(colour.x, mean), eon_multiple_colour(colour.y, mean), eon_multiple_colour(colour.z, mean));
+    return Real(2.0 / SRBF_TWO_PI) * (single * colour + multiple_scale * multiple);
 }
 
 // Fuzz: the volume of fibres of Zeltner, Burley & Chiang ("Practical Multiple-Scattering Sheen Using Linearly
@@ -219,8 +219,8 @@ SRBF_FN FilmBase film_base(Real f0, Real ior, Real schlick) {
 SRBF_FN Real film_order(FilmBase base, Real above, Real first, Real second) {
     Real both = min(max(above * base.reflectance, Real(1.0e-5)), Real(0.9999));
     Real through = Real(1.0) - above;
-    Real again = through * through * base.reflectance / (Real(1.0) - both);
-    return max(above + again + Real(2.0) * (again - through) * (sqrt(both) * first + both * second), Real(0.0));
+    Real returned = through * through * base.reflectance / (Real(1.0) - both);
+    return max(above + returned + Real(2.0) * (returned - through) * (sqrt(both) * first + both * second), Real(0.0));
 }
 SRBF_FN Real fifth_power(Real x) { return (x * x) * (x * x) * x; }
 SRBF_FN Vec3 film_reflectance(OpenPbrFilm film, Vec3 f0, Real c) {
@@ -298,21 +298,21 @@ SRBF_FN OpenPbrFacets openpbr_film_facets(OpenPbrSurface material, OpenPbrFilm f
 
 // The base: a dielectric over EON, blended with a metal by base_metalness [1/sr]. The light that the dielectric
 // reflects towards the viewer is subtracted from the diffuse part (albedo scaling): a factor 1 - E(wv).
-SRBF_FN Vec3 multiple_scattering_by(Vec3 f0, Real again) {
-    return Vec3(Real(1.0) + f0.x * again, Real(1.0) + f0.y * again, Real(1.0) + f0.z * again);
+SRBF_FN Vec3 multiple_scattering_by(Vec3 f0, Real factor) {
+    return Vec3(Real(1.0) + f0.x * factor, Real(1.0) + f0.y * factor, Real(1.0) + f0.z * factor);
 }
 SRBF_FN Vec3 openpbr_base_value(OpenPbrSurface material, OpenPbrBase base, OpenPbrFacets facets, Real density, Vec3 wl,
                                 Vec3 wv) {
     FacetAlbedo whole = facet_albedo(wv.z, base.alpha);
-    Real again = multiple_scattering(whole);
+    Real multiple = multiple_scattering(whole);
     Vec3 f0 = facets.dielectric_f0;
-    Vec3 dielectric = density * product_of(facets.dielectric, multiple_scattering_by(f0, again));
+    Vec3 dielectric = density * product_of(facets.dielectric, multiple_scattering_by(f0, multiple));
     Vec3 through = Vec3(Real(1.0) - lobe_albedo(whole, f0.x), Real(1.0) - lobe_albedo(whole, f0.y),
                         Real(1.0) - lobe_albedo(whole, f0.z));
     Vec3 glossy = product_of(dielectric, material.specular_color) +
                   product_of(through, eon_value(material.base_color, material.base_diffuse_roughness, wl, wv));
     Vec3 metal = (material.specular_weight * density) *
-                 product_of(facets.metal, multiple_scattering_by(facets.metal_f0, again));
+                 product_of(facets.metal, multiple_scattering_by(facets.metal_f0, multiple));
     return interpolated(glossy, metal, material.base_metalness);
 }
 

@@ -167,8 +167,10 @@ static srbf_chances srbf_chances_of(const srbf_brdf* brdf, srbf_vec3 v, int is_b
         sum += chances.chance[2 * k] + chances.chance[2 * k + 1];
     }
     for (k = 0; k < 4; ++k) {
-        const float least = k % 2 == 0 && chances.part[k / 2]->model ? sum > 0.0f ? 1.0e-3f * sum : 1.0f : 0.0f;
-        total += chances.chance[k] = srbf_max(chances.chance[k], least);
+        const float smallest = sum > 0.0f ? 1.0e-3f * sum : 1.0f;
+        const float min = k % 2 == 0 && chances.part[k / 2]->model ? smallest : 0.0f;
+        chances.chance[k] = srbf_max(chances.chance[k], min);
+        total += chances.chance[k];
     }
     for (k = 0; k < 4 && total > 0.0f; ++k) chances.chance[k] /= total;
     return chances;

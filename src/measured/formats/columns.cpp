@@ -82,8 +82,10 @@ std::optional<double> factor_of(std::string unit) {
     return number && *number > 0 && *number < 1e12 ? number : std::nullopt;
 }
 
-/// Returns 0 for a word that names the light, 1 for the viewer, 2 for both at one angle.
-std::optional<std::size_t> role_of(std::string_view word) {
+/// The direction that an angle or a component belongs to; `both` if light and viewer share the angle.
+enum class Role { light, viewer, both };
+/// The role that a word names.
+std::optional<Role> role_of(std::string_view word) {
     constexpr std::string_view words[] = {
         "l i in inc incident incidence incoming light lightsource source src sun solar illumination illuminant illum "
         "lamp laser emitter",
@@ -93,7 +95,7 @@ std::optional<std::size_t> role_of(std::string_view word) {
         "both lv retro lidar monostatic"};
     if (word.starts_with("to")) word.remove_prefix(2);  // "to-sun", "to-sensor"
     for (std::size_t role = 0; role < std::size(words); ++role)
-        if (is_one_of(word, words[role])) return role;
+        if (is_one_of(word, words[role])) return Role(role);
     return {};
 }
 
@@ -112,12 +114,12 @@ std::optional<std::size_t> angle_named(std::string_view key) {
     for (std::size_t index = 0; index < std::size(whole); ++index)
         if (is_one_of(key, whole[index])) return index;
     if (key == "angles") return {};
-    if (is_one_of(key, k_relative_azimuths)) return 3;
+    if (is_one_of(key, k_relative_azimuths)) return k_phi_v;
     for (std::size_t index = 0; index < std::size(angles); ++index)
         for (std::string_view rest = angles[index], angle = next_word(rest); !angle.empty(); angle = next_word(rest)) {
             auto role = key.starts_with(angle) ? role_of(key.substr(angle.size())) : std::nullopt;
             if (!role && key.ends_with(angle)) role = role_of(key.substr(0, key.size() - angle.size()));
-            if (role) return *role == 2 ? k_both : 2 * *role + index;
+            if (role) return *role == Role::both ? k_both : (*role == Role::light ? k_theta_l : k_theta_v) + index;
         }
     return {};
 }
@@ -137,7 +139,8 @@ std::optional<std::size_t> component_of(std::string_view key) {
     key.remove_suffix(1);
     auto role = role_of(key);
     if (!role && key.starts_with('w')) role = role_of(key.substr(1));
-    return role && *role < 2 ? std::optional(3 * *role + axis) : std::nullopt;
+    if (!role || *role == Role::both) return {};
+    return *role == Role::light ? axis : 3 + axis;
 }
 
 /// Names of values: of each kind the names of its columns.
@@ -211,32 +214,39 @@ struct ColumnAssignment {
         const std::string stem(key.substr(0, key.size() - 1));
         const auto role = role_of(stem);
         const auto has = [&](char c) { return std::ranges::find(keys, stem + c, &ColumnName::key) != keys.end(); };
-        if (!role || *role > 1 || !has('z') || !has('a')) return {};
-        return 2 * *role + (key.back() == 'a');
+        if (!role || *role == Role::both || !has('z') || !has('a')) return {};
+        return (*role == Role::light ? k_theta_l : k_theta_v) + (key.back() == 'a');
     }
     void assign_directions() {
         columns.vector.fill(k_absent);
         for (std::size_t i = 0; i < names.size(); ++i) {
             const std::string& key = keys[i].key;
-            auto a = short_angle(key);
-            if (const auto c = a ? std::nullopt : component_of(key)) {
-                if (columns.vector[*c] != k_absent) refuse_duplicate(columns.vector[*c], i);
-                columns.vector[*c] = i, used[i] = true, has_other_names |= key != k_own_components[*c];
-            } else if (a = a ? a : angle_named(key); a) {
+            const auto component = short_angle(key) ? std::nullopt : component_of(key);
+            const auto a = short_angle(key) ? short_angle(key) : angle_named(key);
+            if (component) {
+                if (columns.vector[*component] != k_absent) refuse_duplicate(columns.vector[*component], i);
+                columns.vector[*component] = i;
+                has_other_names |= key != k_own_components[*component];
+            } else if (a) {
                 columns.both |= *a == k_both;
-                for (const std::size_t angle : *a == k_both ? std::vector<std::size_t>{0, 2} : std::vector{*a}) {
+                for (const std::size_t angle : *a == k_both ? std::vector{k_theta_l, k_theta_v} : std::vector{*a}) {
                     if (columns.angle[angle].exists()) refuse_duplicate(columns.angle[angle].column, i);
                     columns.angle[angle] = {std::string(names[i].substr(0, 40)), i, 0, keys[i].unit};
                 }
-                used[i] = true, has_other_names |= *a >= k_own_angles.size() || key != k_own_angles[*a];
+                has_other_names |= *a >= k_own_angles.size() || key != k_own_angles[*a];
             } else if (key.starts_with("wavelength") || key.starts_with("lambda")) {
-                columns.wavelength = i, used[i] = true;
+                columns.wavelength = i;
+            } else {
+                continue;
             }
+            used[i] = true;
         }
         columns.has_vectors = std::ranges::find(columns.vector, k_absent) == columns.vector.end();
-        for (std::size_t i = 0; i < names.size() && !columns.has_vectors && !columns.angle[2].exists(); ++i)
-            if (const auto geometry = columns.angle[0].exists() ? std::nullopt : geometry_of(names[i])) {
-                columns.geometry.push_back(*geometry), columns.value.push_back(i), has_other_names = true;
+        for (std::size_t i = 0; i < names.size() && !columns.has_vectors && !columns.angle[k_theta_v].exists(); ++i)
+            if (const auto geometry = columns.angle[k_theta_l].exists() ? std::nullopt : geometry_of(names[i])) {
+                columns.geometry.push_back(*geometry);
+                columns.value.push_back(i);
+                has_other_names = true;
             }
     }
     void assign_constant(std::string_view constant) {
@@ -253,21 +263,23 @@ struct ColumnAssignment {
     /// Takes angles of the light from lines as "intheta 10" or "incident_angle 10 0". `theta` then is the viewer's.
     void assign_stated(std::span<const std::string_view> header) {
         auto& angle = columns.angle;
-        if (columns.has_vectors || angle[0].exists()) return;
+        if (columns.has_vectors || angle[k_theta_l].exists()) return;
         for (const std::string_view line : header) {
             std::string_view rest = line.substr(std::min(line.find_first_of("-.0123456789"), line.size()));
             const ColumnName name = column_name(line.substr(0, line.size() - rest.size()));
-            for (std::size_t a = angle_named(name.key).value_or(2); a < 2; ++a) {
+            for (std::size_t a = angle_named(name.key).value_or(k_theta_v); a < k_theta_v; ++a) {
                 const auto number = to_number<double>(next_word(rest, " \t,°dr"));
                 if (!number || !expected_angle(k_angle_kinds[a], *number, k_in_degrees).empty()) break;
-                if (!angle[a].exists() && (a == 0 || angle[3].exists()))
+                if (!angle[a].exists() && (a == k_theta_l || angle[k_phi_v].exists()))
                     angle[a] = {std::string(line.substr(0, 40)), k_absent, *number,
                                 name.unit ? name.unit : unit_in(rest)};
             }
         }
         for (std::size_t i = 0; i < names.size(); ++i)
-            if (keys[i].key == "theta" && angle[0].exists() && !angle[2].exists())
-                angle[2] = {std::string(names[i].substr(0, 40)), i, 0, keys[i].unit}, used[i] = true;
+            if (keys[i].key == "theta" && angle[k_theta_l].exists() && !angle[k_theta_v].exists()) {
+                angle[k_theta_v] = {std::string(names[i].substr(0, 40)), i, 0, keys[i].unit};
+                used[i] = true;
+            }
     }
     void require_angles() {
         if (columns.has_vectors || !columns.geometry.empty()) return;
@@ -279,9 +291,9 @@ struct ColumnAssignment {
                 "of a light and a viewer at one place, or one of them as theta_l_deg=30 in --columns",
                 fmt::format("no {}", names_of_angles[a]));
         };
-        if (!angle[0].exists()) lacks(0);
-        if (!angle[2].exists() && !angle[k_aspecular].exists()) lacks(2);
-        if (angle[1].exists() && !angle[3].exists() && !columns.both) lacks(3);
+        if (!angle[k_theta_l].exists()) lacks(k_theta_l);
+        if (!angle[k_theta_v].exists() && !angle[k_aspecular].exists()) lacks(k_theta_v);
+        if (angle[k_phi_l].exists() && !angle[k_phi_v].exists() && !columns.both) lacks(k_phi_v);
     }
     /// Assigns the only kind of values, or the first quantity if others state the same values as another quantity.
     /// Refuses columns if there is none, if two have one quantity, or if a unit is not known.
@@ -302,7 +314,8 @@ struct ColumnAssignment {
             if (const auto wavelength = used[i] ? std::nullopt : wavelength_of(names[i])) {
                 if (!spectrum.columns.empty() && wavelength->second != spectrum.quantity)
                     refuse("wavelengths of one quantity", quoted(names[i]));
-                spectrum.quantity = wavelength->second, spectrum.columns.push_back(i);
+                spectrum.quantity = wavelength->second;
+                spectrum.columns.push_back(i);
                 columns.wavelengths.push_back(wavelength->first);
             }
         add(spectrum);
@@ -328,7 +341,9 @@ struct ColumnAssignment {
         if (kinds.size() > 1 && kinds[0].quantity == kinds[1].quantity)
             refuse("one kind of value, with other names for the others in --columns",
                    fmt::format("{} and {}", quoted(names[kinds[0].columns[0]]), quoted(names[kinds[1].columns[0]])));
-        columns.values = kinds[0].values, columns.quantity = kinds[0].quantity, columns.value = kinds[0].columns;
+        columns.values = kinds[0].values;
+        columns.quantity = kinds[0].quantity;
+        columns.value = kinds[0].columns;
         if (columns.values != Values::spectrum)
             columns.wavelengths.clear();
         else if (!are_wavelengths(columns.wavelengths))
@@ -359,9 +374,10 @@ struct ColumnAssignment {
         std::string value;
         if (columns.value.size() <= 3)
             for (const std::size_t i : columns.value) add(value, names[i]);
-        if (!columns.geometry.empty())
-            text[0] = "at the first angle of a name",
+        if (!columns.geometry.empty()) {
+            text[0] = "at the first angle of a name";
             text[1] = "at the second one from the mirror direction to the light";
+        }
         columns.notes.push_back(fmt::format("light: {}; viewer: {}{}{}{}{}", text[0], text[1],
                                             value.empty() ? "" : "; value: ", value,
                                             ignored.empty() ? "" : "; not read: ", ignored));
@@ -372,11 +388,11 @@ struct ColumnAssignment {
         if (columns.unit != 1) columns.notes.push_back(fmt::format("values are in units of {:g}", columns.unit));
         if (columns.values == Values::polarized) columns.notes.push_back("values are the means of both polarizations");
         if (columns.both) columns.notes.push_back("light and viewer are at one place");
-        if (columns.angle[k_aspecular].exists() && !columns.angle[2].exists())
+        if (columns.angle[k_aspecular].exists() && !columns.angle[k_theta_v].exists())
             columns.notes.push_back("aspecular angles > 0 are from the mirror direction towards the light");
-        if (columns.has_vectors || columns.angle[1].exists() || !columns.angle[3].exists()) return;
-        const bool is_relative =
-            columns.angle[3].column != k_absent && is_one_of(keys[columns.angle[3].column].key, k_relative_azimuths);
+        if (columns.has_vectors || columns.angle[k_phi_l].exists() || !columns.angle[k_phi_v].exists()) return;
+        const bool is_relative = columns.angle[k_phi_v].column != k_absent &&
+                                 is_one_of(keys[columns.angle[k_phi_v].column].key, k_relative_azimuths);
         columns.notes.push_back(
             fmt::format("{}, so that the mirror direction is at 180 degrees; --columns with phi_l_deg=180 puts it at 0",
                         is_relative ? "a relative azimuth of 0 is taken as backward, on the side of the light"

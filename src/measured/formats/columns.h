@@ -17,9 +17,9 @@ struct AngleColumn {
     AngleUnit unit_or_degrees() const { return unit.value_or(k_in_degrees); }
 };
 
-/// The angles of `Columns` after θ_l, φ_l, θ_v, φ_v: the phase angle between light and viewer, and the aspecular angle
-/// from the mirror direction to the viewer, in the plane of incidence towards the light.
-inline constexpr std::size_t k_phase = 4, k_aspecular = 5;
+/// Indices of the angles of `Columns`. The phase angle is between light and viewer; the aspecular angle is from the
+/// mirror direction to the viewer, in the plane of incidence towards the light.
+inline constexpr std::size_t k_theta_l = 0, k_phi_l = 1, k_theta_v = 2, k_phi_v = 3, k_phase = 4, k_aspecular = 5;
 constexpr AngleKind kind_of_angle(std::size_t a) { return a < 4 ? k_angle_kinds[a] : AngleKind::polar; }
 
 struct Columns {

@@ -82,7 +82,9 @@ Preamble read_preamble(std::string_view text, bool has_names) {
     Lines lines(text);
     Preamble preamble{{}, k_any_separator, 0, lines, {}};
     const auto set_header = [&](std::string_view header, char separator) {
-        preamble.header = header, preamble.separator = separator, preamble.line = lines.number();
+        preamble.header = header;
+        preamble.separator = separator;
+        preamble.line = lines.number();
     };
     int metadata = 0;
     for (auto line = lines.next(); line; preamble.rows = lines, line = lines.next()) {
@@ -161,7 +163,7 @@ PolarAngles polar_angles(const Table& table, const std::string& file_name) {
             all.largest = std::max(all.largest, std::abs(theta));
             if (a == 0) all.nearest_light = std::min(all.nearest_light, std::abs(theta));
         }
-        if (const std::size_t phi = table.columns.angle[1].column; phi != k_absent)
+        if (const std::size_t phi = table.columns.angle[k_phi_l].column; phi != k_absent)
             all.largest_phi = std::max(all.largest_phi, std::abs(row.number<double>(phi)));
     }
     return all;
@@ -173,8 +175,8 @@ std::optional<Error> infer_angles(Table& table, const std::string& file_name, st
     auto& angle = columns.angle;
     const auto lacks_unit = [](const AngleColumn& column) { return column.exists() && !column.unit; };
     columns.in_plane = !columns.has_vectors && !columns.both && columns.geometry.empty() &&
-                       std::ranges::none_of(std::array{1, 3, int(k_phase), int(k_aspecular)},
-                                            [&](int a) { return angle[std::size_t(a)].exists(); });
+                       std::ranges::none_of(std::array{k_phi_l, k_phi_v, k_phase, k_aspecular},
+                                            [&](std::size_t a) { return angle[a].exists(); });
     const bool guesses_unit = !columns.has_vectors && std::ranges::any_of(angle, lacks_unit);
     if (!guesses_unit && !columns.in_plane) return {};
     const PolarAngles polar = polar_angles(table, file_name);
@@ -198,10 +200,11 @@ std::optional<Error> infer_angles(Table& table, const std::string& file_name, st
         columns.notes.push_back(fmt::format("angles are in {}, which their names do not state", unit->name));
         // If no light is above the horizon, theta and phi are exchanged.
         const double horizon = k_pi / 2 / unit->radians;
-        if (angle[1].exists() && polar.nearest_light > horizon && polar.largest_phi <= horizon) {
-            std::swap(angle[0], angle[1]), std::swap(angle[2], angle[3]);
-            columns.notes.push_back(fmt::format("{} and {} are polar angles, {} and {} azimuths", angle[0].name,
-                                                angle[2].name, angle[1].name, angle[3].name));
+        if (angle[k_phi_l].exists() && polar.nearest_light > horizon && polar.largest_phi <= horizon) {
+            std::swap(angle[k_theta_l], angle[k_phi_l]);
+            std::swap(angle[k_theta_v], angle[k_phi_v]);
+            columns.notes.push_back(fmt::format("{} and {} are polar angles, {} and {} azimuths", angle[k_theta_l].name,
+                                                angle[k_theta_v].name, angle[k_phi_l].name, angle[k_phi_v].name));
         }
     }
     if (columns.in_plane) {
@@ -212,7 +215,7 @@ std::optional<Error> infer_angles(Table& table, const std::string& file_name, st
         columns.notes.push_back(
             fmt::format("a scan in the plane of incidence, {} > 0 on the mirror side; --columns with "
                         "phi_l_deg=0,phi_v_deg=0 puts it on the side of the light",
-                        angle[2].name));
+                        angle[k_theta_v].name));
     }
     return {};
 }
@@ -271,16 +274,18 @@ Directions directions_in(NumberRow& row, const Columns& columns) {
             angle[a] = column.column == k_absent ? column.constant * unit.radians
                                                  : row.angle(column.column, column.name, kind_of_angle(a), unit);
         }
-        if (columns.in_plane) angle[0] = std::abs(angle[0]), angle[1] = k_pi;
-        if (!columns.angle[2].exists())
-            angle[0] = std::abs(angle[0]), angle[1] = k_pi, angle[2] = angle[0] - angle[k_aspecular];
-        if (columns.both) angle[3] = angle[1];
-        if (columns.angle[k_phase].exists() && !columns.angle[3].exists()) {  // spherical law of cosines
-            const Vec3d l = spherical(angle[0], 0.0), v = spherical(angle[2], 0.0);
-            const double cosine = (elementary::cos(angle[k_phase]) - l.z * v.z) / std::max(l.x * v.x, 1e-9);
-            angle[3] = angle[1] + elementary::acos(std::clamp(cosine, -1.0, 1.0));
+        if (columns.in_plane || !columns.angle[k_theta_v].exists()) {
+            angle[k_theta_l] = std::abs(angle[k_theta_l]);
+            angle[k_phi_l] = k_pi;
         }
-        return {spherical(angle[0], angle[1]), spherical(angle[2], angle[3])};
+        if (!columns.angle[k_theta_v].exists()) angle[k_theta_v] = angle[k_theta_l] - angle[k_aspecular];
+        if (columns.both) angle[k_phi_v] = angle[k_phi_l];
+        if (columns.angle[k_phase].exists() && !columns.angle[k_phi_v].exists()) {  // spherical law of cosines
+            const Vec3d l = spherical(angle[k_theta_l], 0.0), v = spherical(angle[k_theta_v], 0.0);
+            const double cosine = (elementary::cos(angle[k_phase]) - l.z * v.z) / std::max(l.x * v.x, 1e-9);
+            angle[k_phi_v] = angle[k_phi_l] + elementary::acos(std::clamp(cosine, -1.0, 1.0));
+        }
+        return {spherical(angle[k_theta_l], angle[k_phi_l]), spherical(angle[k_theta_v], angle[k_phi_v])};
     }
     std::array<double, 6> x{};
     for (std::size_t c = 0; c < x.size(); ++c) x[c] = row.number<double>(columns.vector[c]);
@@ -376,8 +381,8 @@ Result<CollectedSamples> collect(std::span<const std::byte> bytes, const std::st
     auto& notes = collected.columns.notes;
     if (row.has_decimal_commas()) notes.push_back("numbers have a decimal comma");
     const double polar = elementary::acos(std::clamp(lowest, -1.0, 1.0)) / k_degree;
-    if (columns.angle[0].exists() && columns.angle[0].unit_or_degrees().name == k_in_degrees.name && polar > 0.5 &&
-        polar < 1.6)
+    if (columns.angle[k_theta_l].exists() && columns.angle[k_theta_l].unit_or_degrees().name == k_in_degrees.name &&
+        polar > 0.5 && polar < 1.6)
         notes.push_back(fmt::format("all polar angles are within {:.3g} degrees: radians?", polar));
     return collected;
 }

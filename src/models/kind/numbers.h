@@ -197,10 +197,8 @@ template <typename M> struct KindOfNumbers {
     static M from_parameters(ParameterReader& reader) {
         M model;
         for (const auto& member : Kind<M>::numbers) {
-            const char* const colour = member.belongs_to_lobe() ? "L3" : "3";
-            const auto numbers = reader.numbers(member.name, member.count() > 1         ? colour
-                                                             : member.belongs_to_lobe() ? "L"
-                                                                                        : "1");
+            constexpr const char* shapes[2][2] = {{"1", "L"}, {"3", "L3"}};
+            const auto numbers = reader.numbers(member.name, shapes[member.count() > 1][member.belongs_to_lobe()]);
             if constexpr (requires { model.lobes; }) model.lobes.resize(reader.length('L'));
             for (std::size_t i = 0; i < numbers.size(); ++i)
                 number(model, member, int(i) % member.count(), i / std::size_t(member.count())) = numbers[i];

@@ -147,7 +147,9 @@ std::vector<OpenPbrCandidate> add_films(std::span<const OpenPbrCandidate> best) 
         for (const float thickness : {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.65f, 0.8f})
             for (const float ior : {1.3f, 1.7f, 2.3f}) {
                 OpenPbrModel& model = all.emplace_back(base).model;
-                model.thin_film_weight = 0.5f, model.thin_film_thickness = thickness, model.thin_film_ior = ior;
+                model.thin_film_weight = 0.5f;
+                model.thin_film_thickness = thickness;
+                model.thin_film_ior = ior;
             }
     return all;
 }

@@ -30,7 +30,7 @@ Result<Done> validate(const RawMatrix& matrix, const SuFitOptions& options, doub
 }
 
 /// Consecutive views, without `end`.
-struct Chain {
+struct ViewChain {
     std::size_t begin, end;
 };
 
@@ -47,14 +47,14 @@ struct ViewByViewFit {
         parallel_for_chunks(views.count(), k_chain, [&](std::size_t begin, std::size_t end) {
             if (reporter.cancelled()) return;
             ViewProblem problem(options.lobes);
-            body(problem, Chain{begin, end});
+            body(problem, ViewChain{begin, end});
             reporter.advance(stage, double(end - begin));
         });
     }
 
     /// Fits each view from the previous one of its chain, or from scratch if there is none or the result is poor.
     void fit_views() {
-        for_each_chain("fitting views", [&](ViewProblem& problem, Chain chain) {
+        for_each_chain("fitting views", [&](ViewProblem& problem, ViewChain chain) {
             std::seed_seq seeds{std::uint32_t(options.seed), std::uint32_t(options.seed >> 32),
                                 std::uint32_t(chain.begin)};
             std::mt19937_64 random(seeds);
@@ -90,7 +90,7 @@ struct ViewByViewFit {
     }
     /// Solves for the coefficients again, with the model's rounded lobes.
     void refit_coefficients(SuModel& model) {
-        for_each_chain("rounding", [&](ViewProblem& problem, Chain chain) {
+        for_each_chain("rounding", [&](ViewProblem& problem, ViewChain chain) {
             for (std::size_t i = chain.begin; i < chain.end; ++i) {
                 if (fits[i].is_empty()) continue;
                 std::vector<ViewLobe> stored;

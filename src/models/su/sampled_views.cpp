@@ -46,7 +46,9 @@ void SampledViews::find_typical() {
         for (std::size_t i = 0; i < count(); ++i) {
             if (!within(direction(view)) || !within(direction(i)) || !is_finite(f(view, i))) continue;
             const auto [l, v] = pair(view, direction(i));
-            wl.push_back(l), wv.push_back(v), values.push_back(f(view, i));
+            wl.push_back(l);
+            wv.push_back(v);
+            values.push_back(f(view, i));
         }
     typical_ = typical_value(objective_, wl, wv, values, std::vector<double>(values.size(), 1.0));
     if (!(typical_ > 0)) typical_ = 1;  // all these views are black
@@ -60,7 +62,7 @@ void SampledViews::find_largest() {
             if (within(w) && is_finite(value)) raise_to(largest[view], value, w.z);
         };
         for (std::size_t i = 0; i < n; ++i) add(direction(i), f(view, i));
-        for (const RawMatrix::Between& between : between_of(view)) add(between.direction, between.f);
+        for (const RawMatrix::DrawnValue& between : between_of(view)) add(between.direction, between.f);
     });
     largest_.resize(n);
     for (std::size_t view = 0; view < n; ++view)
@@ -74,7 +76,7 @@ std::size_t SampledViews::valid(std::size_t view) const {
     return valid;
 }
 
-std::span<const RawMatrix::Between> SampledViews::between_of(std::size_t view) const {
+std::span<const RawMatrix::DrawnValue> SampledViews::between_of(std::size_t view) const {
     const std::size_t m = matrix_.between.size() / count();
     return std::span(matrix_.between).subspan(view * m, m);
 }
@@ -88,7 +90,7 @@ SampledViews::Table SampledViews::table_of(std::size_t view) const {
     const std::size_t n = count();
     Table table{view, matrix_.direction, std::vector<Rgb>(n), {}, {}};
     for (std::size_t i = 0; i < n; ++i) table.f[i] = f(view, i);
-    for (const RawMatrix::Between& between : between_of(view)) {
+    for (const RawMatrix::DrawnValue& between : between_of(view)) {
         if (!within(between.direction) || !is_finite(between.f)) continue;
         table.direction.push_back(between.direction);
         table.f.push_back(between.f);

@@ -17,7 +17,7 @@ class SampledViews {
     std::size_t valid(std::size_t view) const;
 
     /// The rows of a view. Directions of the matrix within θmax have the weights of the objective; directions beyond it
-    /// are horizon pairs with small weights, as in `observe`. Further directions (`RawMatrix::Between`) have the weight
+    /// are horizon pairs with small weights, as in `observe`. Further directions (`RawMatrix::DrawnValue`) have the weight
     /// of k_between_views_directions times a uniform density. An objective of pictures adds radiances. The scale is 0
     /// if there is no value above 0 within θmax.
     const ViewRows& rows(std::size_t view) const { return rows_[view]; }
@@ -34,7 +34,7 @@ class SampledViews {
         return matrix_.discretise == Discretise::light ? std::pair(direction(view), other)
                                                        : std::pair(other, direction(view));
     }
-    std::span<const RawMatrix::Between> between_of(std::size_t view) const;
+    std::span<const RawMatrix::DrawnValue> between_of(std::size_t view) const;
     /// The directions of a view with their values: first directions of the matrix, then valid ones between them.
     struct Table {
         std::size_t view;

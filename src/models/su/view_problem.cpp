@@ -10,8 +10,9 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// A lobe may peak between the rows. If less than a quarter of its peak is on them, its bound is lowered accordingly.
-constexpr double k_hidden = 4;
+/// A lobe may peak between the rows. If its peak exceeds its largest value on them by more than this factor, its bound
+/// is lowered accordingly.
+constexpr double k_max_peak_ratio = 4;
 /// Bound on the shift of a centre along a tangent, which corresponds to 45°.
 constexpr double k_max_shift = 1;
 /// Bounds on the step of a centre, in radians and in widths 1/√λ.
@@ -26,7 +27,9 @@ ViewProblem::ViewProblem(int lobes) : lobes_(lobes), frame_(std::size_t(lobes)),
 Eigen::VectorXd ViewProblem::start(const ViewRows& view, std::span<const ViewLobe> lobes) {
     view_ = &view;
     const std::size_t column = blocks() * k_block, lobe_columns = column * std::size_t(lobes_);
-    exponent_.resize(lobe_columns), value_.resize(lobe_columns), derivative_.resize(lobe_columns * k_variables);
+    exponent_.resize(lobe_columns);
+    value_.resize(lobe_columns);
+    derivative_.resize(lobe_columns * k_variables);
     residual_.resize(column * 3);
     coefficients_ = {Eigen::MatrixXd(lobes_, 3), {}, {}};
     Eigen::VectorXd x = Eigen::VectorXd::Zero(k_variables * lobes_);
@@ -127,7 +130,7 @@ Eigen::RowVector3d ViewProblem::coefficient_limits(const MovingLobe& lobe, doubl
     Eigen::RowVector3d limit;
     for (int c = 0; c < 3; ++c) {
         const double peak_limit = view_->largest[std::size_t(c)] / std::max(z, view_->min_cosine) * fraction *
-                                  std::min(1.0, k_hidden * fraction);
+                                  std::min(1.0, k_max_peak_ratio * fraction);
         const double half_limit = double(k_half_max) / view_->scale * elementary::exp(max);
         limit[c] = std::min(peak_limit, half_limit);
     }

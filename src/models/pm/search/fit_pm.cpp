@@ -25,11 +25,22 @@ std::string_view name(StopReason reason) {
 
 namespace {
 
+constexpr int k_max_perturbations = 100000;
+/// By pairs alone, this many candidates take these last steps, and at most so many of them are finished.
+constexpr std::size_t k_polished = 4, k_finished = 3;
+constexpr int k_polish_steps = 25;
 /// A candidate after the best one is finished only if its error is at most this fraction larger.
 constexpr double k_nearly_best = 0.01;
 /// If pictures of the best candidate have a larger ΔE_ITP, which is visible at once, all candidates that remain are
 /// finished: the last steps change such pictures much, and so the order of the candidates.
 constexpr double k_visible_at_once = 10;
+/// How pictures choose: this fraction of the starts remains, and takes so many steps. The best candidate after all
+/// steps is nearly always among the best ones after three.
+struct Ranking {
+    double fraction;
+    int steps;
+};
+constexpr Ranking k_rankings[] = {{1, 3}, {0.25, 4}, {0.125, 8}};
 
 Result<Done> validate(const Observations& observations, const PmFitOptions& options) {
     if (const auto effort = require_range("fit", "effort", options.effort, k_min_effort, k_max_effort); !effort)
@@ -38,8 +49,8 @@ Result<Done> validate(const Observations& observations, const PmFitOptions& opti
          {require_range("fit", "number of lobes", options.lobes, 1, k_max_fitted_lobes),
           require_range("fit", "number of variates", options.variates, 1, int(k_max_variates)),
           require_range("fit", "number of starts", options.starts.value_or(1), 1, k_max_starts),
-          require_range("fit", "number of perturbations", options.perturbations.value_or(0), 0, 100000),
-          require_range("fit", "number of threads", options.threads, 0, 1024)})
+          require_range("fit", "number of perturbations", options.perturbations.value_or(0), 0, k_max_perturbations),
+          require_range("fit", "number of threads", options.threads, 0, k_max_threads)})
         if (!result) return result.error();
     if (!(options.finest >= 0 && options.finest < 1))
         return argument_error("fit", "finest width", "0 to 1 radian", fmt::format("{}", options.finest));
@@ -79,13 +90,13 @@ int until(const Perturbations& stage, const PmFitOptions& options) {
     return int(std::lround(stage.until * perturbations_of(options)));
 }
 
-/// Work of a fit in units of grown lobes and perturbations. The steps after the search, and the last ones, each take a
+/// WorkUnits of a fit in units of grown lobes and perturbations. The steps after the search, and the last ones, each take a
 /// fifth of the time of the perturbations.
-struct Work {
+struct WorkUnits {
     double search = 0, polish = 0;
     double total() const { return search + 2 * polish; }
 };
-Work planned_work(const Observations& observations, const PmFitOptions& options) {
+WorkUnits planned_work(const Observations& observations, const PmFitOptions& options) {
     constexpr double k_polish = 0.2;
     int count = 0, previous = 0;
     for (const Perturbations& stage : perturbations(!observations.views.empty())) {
@@ -114,21 +125,21 @@ class StagedSearch {
         grow_all();
         perturb_all(k_by_pairs);
         add_exceeded_pairs();
-        keep(4);
+        keep(k_polished);
         for_candidates(subsets_.rows(RowSet::polish, {}),
-                       [&](LobeProblem& problem, Candidate& candidate) { polish(problem, options_, 25, candidate); });
+                       [&](LobeProblem& problem, Candidate& candidate) { polish(problem, options_, k_polish_steps, candidate); });
         reporter_.advance("polishing", work_.polish);
         sort_by_all_pairs();
-        return finish_best(3, {.integral_importance = subsets_.integral_importance()});
+        return finish_best(k_finished, {.integral_importance = subsets_.integral_importance()});
     }
 
-    /// Fits with pictures. The best candidate after all steps is nearly always among the best ones after three.
+    /// Fits with pictures.
     PmFit by_pictures() {
         grow_all();
         perturb_all(k_by_pictures);
         if (!reporter_.cancelled()) add_exceeded_pairs();
         const double importance = subsets_.picture_importance(candidates_.front());
-        for (const auto& [fraction, steps] : {std::pair(1.0, 3), {0.25, 4}, {0.125, 8}}) {
+        for (const auto& [fraction, steps] : k_rankings) {
             keep(count_of(fraction, options_));
             rank_by_pictures(steps, importance);
         }
@@ -176,7 +187,7 @@ class StagedSearch {
                            candidate.lobes = unpack(x, candidate.lobes.shape);
                            candidate.loss = problem.delta_e();
                        });
-        reporter_.advance("polishing", work_.polish / 3);
+        reporter_.advance("polishing", work_.polish / double(std::size(k_rankings)));
     }
     void sort_by_all_pairs() {
         const PackedObservations rows = subsets_.rows(RowSet::all, {});
@@ -211,7 +222,7 @@ class StagedSearch {
     Reporter& reporter_;
     bool begins_from_model_;
     std::vector<Candidate> candidates_;
-    Work work_ = planned_work(observations_, options_);
+    WorkUnits work_ = planned_work(observations_, options_);
     Subsets subsets_{observations_, search_pairs(observations_, options_)};
 };
 

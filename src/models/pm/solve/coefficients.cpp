@@ -49,7 +49,12 @@ void Coefficients::fit_to_pixels(const Eigen::MatrixXd& products, const PixelTer
             double next_pixel_loss = 0;
             const double next_loss = loss_at(next, products, pixels, next_pixel_loss, next_terms);
             lowered = next_loss < loss;
-            if (lowered) beta = next, pixel_loss = next_pixel_loss, loss = next_loss, std::swap(terms, next_terms);
+            if (lowered) {
+                beta = next;
+                pixel_loss = next_pixel_loss;
+                loss = next_loss;
+                std::swap(terms, next_terms);
+            }
         }
         if (!lowered) return;
     }

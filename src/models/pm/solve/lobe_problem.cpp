@@ -165,7 +165,7 @@ Eigen::MatrixXd LobeProblem::derivatives_with_lobes(const DerivativeGram& sums, 
 // lobes, whose coefficients adapt, and r is the residual. The coefficient must not be negative.
 Eigen::VectorXd LobeProblem::gains(const std::vector<std::vector<double>>& candidates) {
     constexpr std::size_t k_group = 16;  // the values of this many candidates on all blocks fit in the cache
-    constexpr double k_nothing = 1e-60, k_min_orthogonal = 1e-4;  // less of |e|² is float noise
+    constexpr double k_min_square = 1e-60, k_min_orthogonal = 1e-4;  // less of |e|² is float noise
     const Eigen::LDLT<Eigen::MatrixXd> factor(with_ridge(gram()));
     Eigen::VectorXd gains = Eigen::VectorXd::Constant(Eigen::Index(candidates.size()), -1);
     for (std::size_t first = 0; first < candidates.size(); first += k_group) {
@@ -173,7 +173,7 @@ Eigen::VectorXd LobeProblem::gains(const std::vector<std::vector<double>>& candi
         Eigen::VectorXd squares(group.size());
         const Eigen::MatrixXd products = products_with_candidates(group, squares);
         for (Eigen::Index k = 0; k < squares.size(); ++k) {
-            if (!(squares[k] > k_nothing)) continue;
+            if (!(squares[k] > k_min_square)) continue;
             const auto with_lobes = products.col(k).head(basis_.count());
             double orthogonal = squares[k];
             if (basis_.count() > 0) orthogonal -= with_lobes.dot(factor.solve(with_lobes));

@@ -3,8 +3,7 @@
 // default fit of the bundled vinyl film and its fit as measured. The library is also timed with each instruction set of
 // this machine, for default fits of the five RGL files, for fits of the film as measured and by Lambert with one and
 // two GGX lobes, and for the film's table. Pairs are random, up to 80° from the normal. A thousand are timed together,
-// so the microseconds of all are the nanoseconds of one. `min` is the shortest of fifteen runs. loops.c has the loops
-// that gcc and clang compile.
+// so the microseconds of all are the nanoseconds of one. `min` is the shortest of fifteen runs. gcc and clang compile loops.c.
 #include <benchmark/benchmark.h>
 #include <dlfcn.h>
 #include <fmt/format.h>

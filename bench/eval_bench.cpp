@@ -1,6 +1,5 @@
 // These benchmarks time one evaluation of models by kernel.glsl and of tables. The column Time has the ns for the RGB
-// value of one pair of directions on one thread. The pairs are random, so that all of a table is accessed, as by a path
-// tracer.
+// value of one pair of directions on one thread. Random pairs access all of a table, as a path tracer does.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

@@ -1,19 +1,17 @@
-"""mitsuba_paths.py PROGRAM PLUGINS FILE.bsdf...: compares times and noise of paths in Mitsuba 3, scalar_rgb, with its materials and those
-of the compiled plugin of examples/mitsuba. PROGRAM is `srbf`, PLUGINS the folder in which the plugin was built, FILE an RGL file.
+"""mitsuba_paths.py [--picture TO.jpg] PROGRAM PLUGINS FILE.bsdf..: compares times and noise of paths in Mitsuba 3, scalar_rgb.
 
-A ball on a floor of the same material fills the picture; a window and a sky, or an environment, light it. For each material:
-  - microseconds of processor time of a path of one vertex and of at most five, the least of RUNS; each vertex computes a value and its
-    density in the direction of a sampled light, and samples the material
-  - the relative variance of the luminance of a path of at most five vertices, and its product with the time, in two ways: the mean variance
-    of the pixels over the square of their mean, where bright pixels count most, and the mean over the pixels of their relative variances
-  - the mean of the picture, and its distance from the mean of `measured` in units of their noise, RMS over pixels; it is about 1 for the
-    same material.
-`measured` takes the first direction of a file for the viewer, so light and viewer are exchanged for srbf; its default fit is reciprocal.
+PROGRAM is `srbf`, PLUGINS the folder of the compiled plugin of examples/mitsuba, FILE an RGL file. A ball on a floor of the
+same material, Mitsuba's or the plugin's, is lit by a window and a sky, or by an environment. For each material it prints:
+  - microseconds of processor time of a path of one vertex and of at most five, the least of RUNS
+  - the relative variance of the luminance of a path of at most five vertices, and its product with the time, in two ways:
+    the mean variance of the pixels over the square of their mean, where bright pixels count most, and the mean of their
+    relative variances
+  - the mean of the picture, and its distance from that of `measured` in units of noise, RMS over pixels: 1 if they agree.
+`measured` takes the first direction of a file for the viewer, so light and viewer are exchanged for srbf.
 
-With --picture TO.jpg before PROGRAM it draws `measured`, the default and Lambert with GGX after equal time instead; below them are the file
-itself and the visible errors of both models without noise. That needs Pillow, too.
-
-Use one core: taskset -c 1 python bench/mitsuba_paths.py .. Needs mitsuba of PyPI, and numpy."""
+With --picture it draws `measured`, the default fit, and Lambert with GGX after equal time; below them are the file and the
+visible errors of both models without noise. Needs mitsuba and numpy of PyPI, and Pillow for the picture. Use one core:
+taskset -c 1 python bench/mitsuba_paths.py .."""
 import pathlib
 import subprocess
 import sys
@@ -120,10 +118,14 @@ def draw_equal_time(materials, to):
         add(i, 0, visible_error.displayed(noisy[..., :3], exposed), f"{label}:\n{paths} paths in equal time, noise {100 * noise:.0f} %")
         apart = np.linalg.norm(np.subtract(*(visible_error.itp(np.clip(exposed * picture, 0, 1))
                                              for picture in (converged[i, ..., :3], file))), axis=-1)
-        print(f"{label}: {1e6 * seconds[i] / (SIZE * SIZE * PATHS):.2f} us, {paths} paths, noise {noise:.3f}, visible error {apart.mean():.1f}", flush=True)
-        grey = np.repeat(255 - 255 * np.minimum(apart / DARKEST, 1), 3).reshape(SIZE, SIZE, 3).astype(np.uint8)
-        add(i, 1, grey if i else visible_error.displayed(file, exposed),
-            f"its visible error without noise:\nmean {apart.mean():.1f}, black {DARKEST} or more" if i else f"measured, after\n{CONVERGED * PATHS} paths: almost no noise")
+        print(f"{label}: {1e6 * seconds[i] / (SIZE * SIZE * PATHS):.2f} us, {paths} paths, noise {noise:.3f}, "
+              f"visible error {apart.mean():.1f}", flush=True)
+        if i == 0:
+            text = f"measured, after\n{CONVERGED * PATHS} paths: almost no noise"
+            add(i, 1, visible_error.displayed(file, exposed), text)
+            continue
+        errors = np.repeat(255 - 255 * np.minimum(apart / DARKEST, 1), 3).reshape(SIZE, SIZE, 3).astype(np.uint8)
+        add(i, 1, errors, f"its visible error without noise:\nmean {apart.mean():.1f}, black {DARKEST} or more")
     sheet.save(to, quality=50, optimize=True)
 
 
@@ -140,7 +142,8 @@ def main():
                 draw_equal_time(materials, to)
                 continue
             for lights in ("window", "environment"):
-                print(f"{pathlib.Path(file).stem}, {lights}: us of one vertex, of five, variance of bright, of all, x us, x us, mean, distance")
+                print(f"{pathlib.Path(file).stem}, {lights}: us of one vertex, of five, variance of bright, of all, x us, x us, "
+                      "mean, distance")
                 compare(materials, lights)
 
 

@@ -1,17 +1,14 @@
-"""pbrt_paths.py PBRT SRBF FILE: compares agreement, times and noise of paths in pbrt-v4 with the material of examples/pbrt and with pbrt's
-materials.
+"""pbrt_paths.py PBRT SRBF FILE: compares agreement, times and noise of paths in pbrt-v4 by the material of examples/pbrt.
 
-PBRT is a pbrt that has the material, SRBF the program `srbf`, FILE a measurement, for example an RGL file.
-The scene is examples/pbrt/ball.pbrt. Its materials are `diffuse`; the default fit of FILE, by `srbf` and as a table by
-`measured`; and FILE itself, a table of light and viewer exchanged, by `srbf` with "exchange" and by `measured`. For each one it prints:
+PBRT is a pbrt that has the material, SRBF the program `srbf`, FILE a measurement, for example an RGL file. The scene is
+examples/pbrt/ball.pbrt. Its materials are `diffuse`; the default fit of FILE, by `srbf` and as a table by `measured`; and
+FILE itself, with light and viewer exchanged, by both. For each one it prints:
   - the start: seconds of processor time of a picture with one path per pixel, the least of RUNS
-  - microseconds of processor time of one more path, from the difference to a picture with PATHS paths per pixel; some paths miss the ball
-  - the relative variance of a path's luminance in the ball, in two ways: the mean variance of the pixels over the square of their mean,
-    where bright pixels count most, and the mean over the pixels of their relative variances.
-Then it prints for fit and file the relative difference of both pictures, RMS over squares of 8 x 8 pixels and colours, and the difference
-that noise alone makes.
-
-Use one core: taskset -c 1 python3 bench/pbrt_paths.py .. Needs numpy."""
+  - microseconds of one more path, by a picture with PATHS paths per pixel, some of which miss the ball
+  - the relative variance of a path's luminance in the ball, in two ways: the mean variance of the pixels over the square of
+    their mean, where bright pixels count most, and the mean of their relative variances.
+Then it prints for fit and file the relative difference of both pictures, RMS over squares of 8 x 8 pixels and colours, and
+the difference that noise alone makes. Needs numpy. Use one core: taskset -c 1 python3 bench/pbrt_paths.py .."""
 import pathlib
 import resource
 import subprocess

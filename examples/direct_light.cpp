@@ -84,8 +84,8 @@ int main(int count, char** arguments) {
                 const Frame frame(Vec3f{x, y, std::sqrt(1 - x * x - y * y)});
                 const Vec3f wv = frame.to_local({0, 0, 1});  // towards the viewer
                 for (int i = 0; i < samples; ++i) {
-                    const Rgb one = reflected(brdf, frame, wv, count > 4, random);
-                    sum.r += one.r, sum.g += one.g, sum.b += one.b;
+                    const Rgb estimate = reflected(brdf, frame, wv, count > 4, random);
+                    sum.r += estimate.r, sum.g += estimate.g, sum.b += estimate.b;
                 }
             }
             mean += double(sum.g) / samples / (k_size * k_size);

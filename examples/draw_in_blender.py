@@ -10,13 +10,12 @@ bpy.ops.object.shade_smooth()
 bpy.context.object.data.materials.append(bpy.data.materials[0])
 camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
 camera.location, camera.rotation_euler = (0, -6.4, 0), (1.5708, 0, 0)
-things = [camera]
-for place, turn, size in (((-3, -4, 4), (0.9, 0, -0.6), 2), ((4, 1, 0), (0, 1.57, 0.2), 3), ((-4, 3, 1), (0, -1.3, -0.6), 3)):  # one in front, two behind
+bpy.context.collection.objects.link(camera)
+# Location, rotation and size of lamps: one in front, two behind.
+for location, rotation, size in (((-3, -4, 4), (0.9, 0, -0.6), 2), ((4, 1, 0), (0, 1.57, 0.2), 3), ((-4, 3, 1), (0, -1.3, -0.6), 3)):
     lamp = bpy.data.objects.new("lamp", bpy.data.lights.new("lamp", "AREA"))
-    lamp.location, lamp.rotation_euler, lamp.data.energy, lamp.data.size = place, turn, 220, size
-    things.append(lamp)
-for thing in things:
-    bpy.context.collection.objects.link(thing)
+    lamp.location, lamp.rotation_euler, lamp.data.energy, lamp.data.size = location, rotation, 220, size
+    bpy.context.collection.objects.link(lamp)
 scene = bpy.context.scene
 scene.world = bpy.data.worlds.new("room")
 scene.world.use_nodes = True

@@ -38,7 +38,8 @@ static double intersect(const double* from, const double* w, double* normal) {
     const int hits = root > 0 && distance > 1e-4, hits_floor = floor_distance > 1e-4;
     const int is_floor = hits_floor && (!hits || floor_distance < distance);
     for (int i = 0; i < 3; ++i) normal[i] = is_floor ? i == 2 : from_centre[i] + distance * w[i];
-    return is_floor ? floor_distance : hits ? distance : 0;
+    if (is_floor) return floor_distance;
+    return hits ? distance : 0;
 }
 
 // The radiance of the sky; the density of directions that sample the sun is 1 / its solid angle.
@@ -46,22 +47,25 @@ static double sky(const double* w, int channel) { return 0.35 + (channel == 2 ? 
 static double sun_pdf(const double* w) { return dot(w, k_sun) > k_cosine ? 1 / (2 * k_pi * (1 - k_cosine)) : 0; }
 
 static void trace(const srbf_brdf* brdf, double* at, double* ray, double* radiance) {
-    double throughput[3] = {1, 1, 1}, sun_share = 1;  // `sun_share`: the share of the sun's light that the ray counts
+    double throughput[3] = {1, 1, 1}, sun_fraction = 1;  // `sun_fraction`: how much of the sun's light the ray counts
     for (int depth = 0; depth < k_depth; ++depth) {
         double frame[3][3], sun[3][3], w[3], normal[3], back[3];
         const double distance = intersect(at, ray, frame[2]);
         for (int c = 0; c < 3 && distance == 0; ++c)
-            radiance[c] += throughput[c] * (sky(ray, c) + (sun_pdf(ray) > 0 ? k_bright * sun_share : 0));
+            radiance[c] += throughput[c] * (sky(ray, c) + (sun_pdf(ray) > 0 ? k_bright * sun_fraction : 0));
         if (distance == 0) return;
         for (int i = 0; i < 3; ++i) at[i] += distance * ray[i], back[i] = -ray[i];
         if (fabs(at[2]) < 1e-6 && (((int)floor(2 * at[0]) + (int)floor(2 * at[1])) & 1))
             for (int c = 0; c < 3; ++c) throughput[c] *= 0.3;  // a dark square
-        make_frame(frame), memcpy(sun[2], k_sun, sizeof k_sun), make_frame(sun);
-        float wv[3], wl[3], f[3], cone[3], u[3];
+        memcpy(sun[2], k_sun, sizeof k_sun);
+        make_frame(sun);
+        make_frame(frame);
+        float wv[3], wl[3], f[3], u[3];
         const double z = 1 - uniform() * (1 - k_cosine), r = sqrt(1 - z * z), phi = 2 * k_pi * uniform();
+        const float cone[3] = {(float)(r * cos(phi)), (float)(r * sin(phi)), (float)z};
+        to_world(sun, cone, w);
         to_local(frame, back, wv);
-        cone[0] = (float)(r * cos(phi)), cone[1] = (float)(r * sin(phi)), cone[2] = (float)z;
-        to_world(sun, cone, w), to_local(frame, w, wl);
+        to_local(frame, w, wl);
         const double pdf = (double)srbf_value_pdf(brdf, wl, wv, f);
         if (intersect(at, w, normal) == 0)
             for (int c = 0; c < 3; ++c)
@@ -71,7 +75,7 @@ static void trace(const srbf_brdf* brdf, double* at, double* ray, double* radian
         srbf_sample(brdf, wv, u, &light);
         if (!(light.pdf > 0) && !light.is_beam) return;
         to_world(frame, light.wl, ray);
-        sun_share = light.is_beam ? 1 : (double)light.pdf / ((double)light.pdf + sun_pdf(ray));
+        sun_fraction = light.is_beam ? 1 : (double)light.pdf / ((double)light.pdf + sun_pdf(ray));
         for (int c = 0; c < 3; ++c) throughput[c] *= (double)light.weight[c];
     }
 }

@@ -39,8 +39,7 @@ Hit intersect(Vec3f from, Vec3f w) {
     return {floor < 1e-3f ? 0 : floor, {0, 1, 0}};
 }
 
-// A sky with a sun, whose directions are sampled with the density k_sun_pdf. `fraction` is the part of the sun's light
-// that counts.
+// A sky with a sun, whose directions are sampled with the density k_sun_pdf. Of the sun's light `fraction` counts.
 const Frame k_sun(normalize(Vec3f{0.5f, 0.65f, 0.55f}));
 constexpr float k_radiance = 25, k_cosine = 0.985f, k_sun_pdf = 1 / (2 * k_pi * (1 - k_cosine));
 Rgb sky(Vec3f w, float fraction) {

@@ -23,7 +23,7 @@ TERMS = {
     "without albedos": "albedos=1e-9",
     "without cube roots and peaks of highlights": "highlights=1e-9 peaks=1e-9",
 }
-# Columns of docs/ablation.csv, with their numbers in a report. Errors with `mean_` are against the reciprocal mean, the others against the file.
+# Columns of docs/ablation.csv, and their numbers in a report: against the file, or against the reciprocal mean (`mean_`).
 ERRORS = {
     "delta_e_itp": lambda outcome: outcome["pictures"]["delta_e_itp"],
     "rms": lambda outcome: outcome["pictures"]["rms"],
@@ -62,8 +62,10 @@ def add_rows(program, paths):
         out = csv.writer(file, lineterminator="\n")
         if not rows:
             out.writerow(["material", "setting", "seed", *ERRORS])
+
         def fit(path, setting, seed):
             return report_of_fit(program, path, "--seed", str(seed), SRBF_TIMES=setting)
+
         for (path, setting, seed), outcome in reports_of_fits(fit, missing):
             out.writerow([material_of(path), setting, seed, *(f"{error(outcome):.5g}" for error in ERRORS.values())])
             file.flush()

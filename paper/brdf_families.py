@@ -62,7 +62,7 @@ class Lobes:
         return f, by
 
     def starts(self, f, angle):
-        """Lobes from wide to narrow, each with an equal share of the values near the mirror direction."""
+        """Lobes from wide to narrow, each with an equal fraction of the values near the mirror direction."""
         diffuse = diffuse_of(f, angle)
         for widest in (0.7, 0.35):
             for narrowest in (0.2, 0.06, 0.02, 0.006):
@@ -111,7 +111,7 @@ class Cosines:
         return f, by
 
     def starts(self, f, angle):
-        """Lobes about the mirror direction or beyond it, from wide to narrow, each with an equal share of the values."""
+        """Lobes about the mirror direction or beyond it, from wide to narrow, each with an equal fraction of the values."""
         diffuse = diffuse_of(f, angle)
         for least in (1, 5):
             for most in (20, 100, 500, 3000):

@@ -88,80 +88,63 @@ def fitted(program, folder):
     return fits
 
 
-class Errors:
-    """Returns errors of fits by options and file, one for each seed, and their means over files."""
-
-    def __init__(self, fits):
-        self.fits = fits
-
-    def by_seed(self, options, name, which=0):
-        return [self.fits[options, name, seed][which] for seed in SEEDS.get(options, [0])]
-
-    def mean(self, options, names):
-        return statistics.fmean(self.by_seed(options, name)[0] for name in names)
-
-    def mean_of_medians(self, options, names):
-        return statistics.fmean(statistics.median(self.by_seed(options, name)) for name in names)
-
-
-def numbers_of_rows(errors):
-    """Yields page, name, the number on the page as text, and the number of the fits."""
-    for path, name, options in ROWS:
+def numbers_of_rows(rows, size_of, error_of):
+    """Yields page, name, the number on the page as text, and the number of fits, for rows (page, name, model)."""
+    for path, name, model in rows:
         row = row_of(path, name)
-        yield path, f"{name}, bytes", row["bytes"], max(errors.fits[options, file, 0][2] for file in FILES)
-        for column, files in COLUMN_FILES.items():
-            if column in row:
-                yield path, f"{name}, {column}", row[column], errors.mean(options, files)
-
-
-def numbers_of_medians(errors):
-    for text, files in zip(MEDIANS.search(" ".join(page(README).split())).groups(), (FILES, [FILM], OTHERS)):
-        yield README, f"medians of {len(files)}", text, errors.mean_of_medians(DEFAULT, files)
-
-
-def numbers_of_seeds(errors):
-    for name in FILES:
-        row = row_of(ACCURACY, name)
-        file_errors, mean_errors = errors.by_seed(DEFAULT, name), errors.by_seed(DEFAULT, name, 1)
-        values = [min(file_errors), statistics.median(file_errors), max(file_errors), statistics.median(mean_errors)]
-        for column, (what, value) in enumerate(zip(SEED_COLUMNS, values), 1):
-            yield ACCURACY, f"{name}, {what} of six seeds", row[column], value
-
-
-def numbers_of_abstract(errors):
-    """Returns the numbers that the abstract must contain."""
-    abstract = next(part for part in page(PAPER).split("\n\n") if part.startswith("**Abstract.**"))
-    for name, value in (("nine lobes, medians", errors.mean_of_medians(DEFAULT, FILES)), ("two GGX lobes", errors.mean(GGX, FILES))):
-        yield PAPER, f"abstract, {name}", f"{value:.1f}" if f"{value:.1f}" in NUMBER.findall(abstract) else "none", value
-
-
-def stored_numbers():
-    """Yields page, name, the number on the page as text, and the number of comparison.csv or of the page on accuracy."""
-    with open(os.path.join(ROOT, STORED), encoding="utf-8") as file:
-        rows = {(row["material"], row["model"]): row for row in csv.DictReader(file)}
-    models = [(path, name, STORED_MODELS[options]) for path, name, options in ROWS if options in STORED_MODELS]
-    for path, name, model in models + STORED_ROWS:
-        row = row_of(path, name)
-        size = max(int(rows[file, model]["payload"]) for file in FILES)
+        size = max(size_of(model, file) for file in FILES)
         yield path, f"{name}, bytes", NUMBER.search(row["bytes"])[0].replace(",", ""), size
         for column, files in COLUMN_FILES.items():
             if column in row:
-                yield path, f"{name}, {column}", row[column], statistics.fmean(float(rows[file, model]["delta_e_itp"]) for file in files)
-    seeds = {file: row_of(ACCURACY, file) for file in FILES}
+                yield path, f"{name}, {column}", row[column], statistics.fmean(error_of(model, file) for file in files)
+
+
+def numbers_of_medians(median_of):
     for text, files in zip(MEDIANS.search(" ".join(page(README).split())).groups(), (FILES, [FILM], OTHERS)):
-        yield README, f"medians of {len(files)}", text, statistics.fmean(float(seeds[file][2]) for file in files)
+        yield README, f"medians of {len(files)}", text, statistics.fmean(map(median_of, files))
+
+
+def stored_numbers():
+    """Yields such numbers of comparison.csv, and of the page on accuracy."""
+    with open(os.path.join(ROOT, STORED), encoding="utf-8") as file:
+        rows = {(row["material"], row["model"]): row for row in csv.DictReader(file)}
+
+    def error_of(model, file):
+        return float(rows[file, model]["delta_e_itp"])
+    models = [(path, name, STORED_MODELS[options]) for path, name, options in ROWS if options in STORED_MODELS]
+    yield from numbers_of_rows(models + STORED_ROWS, lambda model, file: int(rows[file, model]["payload"]), error_of)
+    seeds = {file: row_of(ACCURACY, file) for file in FILES}
+    yield from numbers_of_medians(lambda file: float(seeds[file][2]))
     # An error of seed 0 lies between the least and the largest of six seeds.
     for file, row in seeds.items():
         for model, least, largest in (("srbf", 1, 3), ("as-measured-8", 5, 7)):
-            error = float(rows[file, model]["delta_e_itp"])
-            nearest = min(max(round(error, 2), float(row[least])), float(row[largest]))
-            yield ACCURACY, f"{file}, {model}, seed 0 within the six", f"{nearest:.2f}", error
+            nearest = min(max(round(error_of(model, file), 2), float(row[least])), float(row[largest]))
+            yield ACCURACY, f"{file}, {model}, seed 0 within the six", f"{nearest:.2f}", error_of(model, file)
 
 
 def fitted_numbers(program, folder):
-    errors = Errors(fitted(program, folder))
-    for numbers_of in (numbers_of_abstract, numbers_of_rows, numbers_of_medians, numbers_of_seeds):
-        yield from numbers_of(errors)
+    """Yields such numbers of fits."""
+    fits = fitted(program, folder)
+
+    def by_seed(file, which=0):
+        return [fits[DEFAULT, file, seed][which] for seed in SEEDS[DEFAULT]]
+
+    def error_of(options, file):
+        return fits[options, file, 0][0]
+
+    def median_of(file):
+        return statistics.median(by_seed(file))
+    abstract = next(part for part in page(PAPER).split("\n\n") if part.startswith("**Abstract.**"))
+    for name, value in (("nine lobes, medians", statistics.fmean(map(median_of, FILES))),
+                        ("two GGX lobes", statistics.fmean(error_of(GGX, file) for file in FILES))):
+        yield PAPER, f"abstract, {name}", f"{value:.1f}" if f"{value:.1f}" in NUMBER.findall(abstract) else "none", value
+    yield from numbers_of_rows(ROWS, lambda options, file: fits[options, file, 0][2], error_of)
+    yield from numbers_of_medians(median_of)
+    for file in FILES:
+        row, errors = row_of(ACCURACY, file), by_seed(file)
+        values = [min(errors), statistics.median(errors), max(errors), statistics.median(by_seed(file, 1))]
+        for column, (what, value) in enumerate(zip(SEED_COLUMNS, values), 1):
+            yield ACCURACY, f"{file}, {what} of six seeds", row[column], value
 
 
 def main():

@@ -161,8 +161,7 @@ class Coordinates:
 
 
 def search_of_values(model, f, angle, weight, loss):
-    """search(y, every, iterations) improves coordinates y of a model by every n-th of the values f [n, channels], and returns also the
-    loss."""
+    """search(y, every, iterations) returns improved coordinates y by every n-th of the values f [n, channels], and the loss."""
     coordinates = Coordinates(model)
     transform, derivative = LOSSES[loss]
 

@@ -151,18 +151,14 @@ def means_table(rows):
                  with_bold_best(names, values, {COLUMNS.index("psnr")}))
 
 
-def range_of_default(rows):
-    errors = [row["delta_e_itp"] for row in rows_of_model(rows, "srbf")]
-    return [text(min(errors)), text(max(errors))]
-
-
 def kinds_table(rows):
     models = [model for model in models_in(rows) if MODELS[model].by_material]
     lines = []
     for kind in [*sorted({row["kind"] for row in rows}), "all"]:
         kind_rows = [row for row in rows if kind in (row["kind"], "all")]
         errors = [mean(rows_of_model(kind_rows, model), "delta_e_itp") for model in models]
-        lines.append([kind, str(len(rows_of_model(kind_rows, "srbf")))] + with_bold_least(errors) + range_of_default(kind_rows))
+        default = [row["delta_e_itp"] for row in rows_of_model(kind_rows, "srbf")]
+        lines.append([kind, str(len(default))] + with_bold_least(errors) + [text(min(default)), text(max(default))])
     medians = [statistics.median(row["delta_e_itp"] for row in rows_of_model(rows, model)) for model in models]
     lines.append(["median of all", ""] + with_bold_least(medians) + ["", ""])
     return table(["kind", "materials"] + [MODELS[model].label for model in models] + ["9 lobes, least", "9 lobes, largest"], lines)
@@ -188,8 +184,7 @@ EQUAL_BYTES_LABELS = {"srbf-4": "srbf, 4 lobes", "gtr-6-pictures": "6 GTR lobes"
 
 
 def equal_bytes_table(rows):
-    """Means of all measures over the measurements, for models of similar sizes, and the median of squared errors, because one file
-    determines their mean."""
+    """Means of all measures for models of similar sizes, and the median of squared errors, whose mean one file determines."""
     names, values = [], []
     for model, name in EQUAL_BYTES_LABELS.items():
         model_rows = rows_of_model(rows, model)

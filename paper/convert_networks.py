@@ -22,7 +22,9 @@ DECODER = [shape for inputs, outputs in [(11, 400)] + [(400, 400)] * 5 + [(400, 
 
 def weights_of(path, shapes, only=None):
     """The arrays that Keras saved: weights and offsets of each layer, or of the layer or nested model `only`."""
-    text = lambda name: name.decode() if isinstance(name, bytes) else name
+    def text(name):
+        return name.decode() if isinstance(name, bytes) else name
+
     with h5py.File(path) as file:
         root = file.get("model_weights", file)
         layers = [only] if only else [text(name) for name in root.attrs["layer_names"]]

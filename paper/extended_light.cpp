@@ -239,8 +239,7 @@ struct Map {
     std::vector<EnvironmentDraw> draws;
 };
 /// ∫ f cosθl L dω towards the viewer, in the mean over a pixel's points, by samples of the BRDF and of the environment
-/// with the balance heuristic (Veach & Guibas 1995). The points of a pixel share one sequence, whose start differs by
-/// pixel.
+/// with the balance heuristic (Veach & Guibas 1995). The points of a pixel share one sequence.
 Rgb reflected(const Pixel& pixel, const PreparedBrdf& brdf, const Map& map, const Frame& to_map) {
     std::array<double, 3> sum{};
     const auto add = [&](double weight, const Rgb& reflectance, const Rgb& light) {
@@ -308,14 +307,6 @@ Row row_of(const Model& model, const std::vector<Map>& maps, const std::vector<O
     for (const int count : k_lobe_counts) lobes.push_back(extended_light(brdf, {.lobes = count}));
     std::vector<kernel::ExportedLight> lights;
     for (const ExtendedLight& light : lobes) lights.emplace_back(brdf, light);
-    const auto trace = [&](const Object& object, std::vector<AreaLight> rectangle) {
-        const PathScene scene{{{&object.mesh, 0}}, {brdf}, object.camera, {}, std::move(rectangle), nullptr};
-        return mask(
-            object.pixels,
-            render_paths(scene,
-                         {.width = k_size, .height = k_size, .samples = k_paths, .occlusion = false, .progress = {}})
-                .rendering.radiance);
-    };
     Row row;
     for (const Object& object : objects) {
         const Frame axes = environment_frame(object.camera);
@@ -339,7 +330,10 @@ Row row_of(const Model& model, const std::vector<Map>& maps, const std::vector<O
     const Object& sphere = objects[0];
     for (std::size_t i = 0; i < k_rectangles.size(); ++i) {
         const AreaLight& light = k_rectangles[i];
-        const Image reference = trace(sphere, {light});
+        const PathScene scene{{{&sphere.mesh, 0}}, {brdf}, sphere.camera, {}, {light}, nullptr};
+        const PathOptions options{
+            .width = k_size, .height = k_size, .samples = k_paths, .occlusion = false, .progress = {}};
+        const Image reference = mask(sphere.pixels, render_paths(scene, options).rendering.radiance);
         row.by_rectangle[i].add(
             errors_of(sphere.pixels, reference, draw(sphere.pixels, [&](const Point& point) {
                           const auto corner = [&](const Vec3f& add) {

@@ -1,8 +1,8 @@
 """Fits models of brdf_families.py by the default objective of `srbf`, so that a comparison is one of forms and not of losses.
 
 The loss is that of docs/fitting.md with its weights: pairs, albedos, and pixels of the same pictures. It has no overshoots, and nothing
-beyond 89°. As by default, values are those of the reciprocal mean, and pixels of the fit choose among the starts: sixteen are improved by a
-quarter of the data, four of them by all, then two and one.
+beyond 89°. As by default, values are those of the reciprocal mean, and pixels of the fit choose among the starts: sixteen are
+improved by a quarter of the data, four of them by all, then two and one.
 """
 import pathlib
 import sys
@@ -41,19 +41,19 @@ def axes(z):
 
 def quadrature(wv, count, cos_max):
     """Directions of the mirror mixture of a fit for a view, and the solid angle of each."""
-    parts = [(0.4, 0, axes(np.array([0, 0, 1.0]))), (0.05, 60, axes(wv))]  # share, bandwidth (0: uniform) and centre
+    parts = [(0.4, 0, axes(np.array([0, 0, 1.0]))), (0.05, 60, axes(wv))]  # fraction, bandwidth (0: uniform) and centre
     parts += [(0.11, bandwidth, axes(wv * [-1, -1, 1])) for bandwidth in (6, 40, 300, 3000, 30000)]
     points, weight, pdf = [], [], 0
-    for share, bandwidth, frame in parts:
-        i = np.arange(int(share * count))
+    for fraction, bandwidth, frame in parts:
+        i = np.arange(int(fraction * count))
         u = (i + 0.5) / len(i)
         z = 1 + np.log1p(u * np.expm1(-2 * bandwidth)) / bandwidth if bandwidth else 1 - u * (1 - cos_max)
         points.append(spherical(z, np.pi * (np.sqrt(5) - 1) * i) @ frame)
-        weight.append(np.full(len(i), share / len(i)))
+        weight.append(np.full(len(i), fraction / len(i)))
     wl = np.concatenate(points)
-    for share, bandwidth, frame in parts:
+    for fraction, bandwidth, frame in parts:
         norm = bandwidth / -np.expm1(-2 * bandwidth) if bandwidth else 1 / (1 - cos_max)
-        pdf = pdf + share * norm / (2 * np.pi) * np.exp(bandwidth * (wl @ frame[2] - 1))
+        pdf = pdf + fraction * norm / (2 * np.pi) * np.exp(bandwidth * (wl @ frame[2] - 1))
     inside = wl[:, 2] >= cos_max
     return wl[inside], (np.concatenate(weight) / pdf)[inside]
 
@@ -128,9 +128,9 @@ def weighed(pairs):
     order = np.argsort(r)
     total = np.cumsum((solid_angle * cos_v * (r > 0))[order])
     q, weight = r[order][np.searchsorted(total, 0.75 * total[-1])], 0
-    for share, slope in ((1, (r + 0.07 * q) ** (-5 / 3) * cos_v), (1, (1 + r / q) ** (-4 / 3) * np.sqrt(cos_v)), (0.3, cos_v)):
+    for importance, slope in ((1, (r + 0.07 * q) ** (-5 / 3) * cos_v), (1, (1 + r / q) ** (-4 / 3) * np.sqrt(cos_v)), (0.3, cos_v)):
         term = solid_angle * cos_l ** 2 * slope
-        weight = weight + share / 2.3 * term / (term @ square)
+        weight = weight + importance / 2.3 * term / (term @ square)
     return pairs._replace(weight=weight[None])
 
 

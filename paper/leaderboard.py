@@ -91,13 +91,13 @@ def models_of(path, arguments):
 
 
 def fitted(model, name, measured, arguments, work):
-    """The BRDF or function, its bytes, the bytes that all materials share, and the errors if they are known; None if there is no such
-    fit."""
+    """The BRDF or function, its bytes, the bytes that all materials share, and known errors; None if there is no such fit."""
     if model == "nbrdf":
         layers = stand_ins.network_of(arguments.networks, name)
         return layers and (compare_models.network(layers), 4 * 675, 0, None)
     if model == "nps":
-        return compare_models.decode(arguments.codes, name, work), 4 * 7, os.path.getsize(os.path.join(arguments.codes, "decoder.f32")), None
+        shared = os.path.getsize(os.path.join(arguments.codes, "decoder.f32"))
+        return compare_models.decode(arguments.codes, name, work), 4 * 7, shared, None
     if model in classic_brdfs.MODELS:
         return *classic_brdfs.fit(measured, model), 0, None
     fit = srbf.fit(measured, **compare_models.FITS[model])
@@ -179,7 +179,10 @@ def plot(rows):
     width, height, left, top = 760, 360, 50, 20
     step = (width - left - 20) / max(len(order), 1)
     low, high = 0.2, max(50, *(float(row["delta_e_itp"]) for row in rows))
-    y = lambda error: top + (height - top - 30) * (1 - np.log(max(error, low) / low) / np.log(high / low))
+
+    def y(error):
+        return top + (height - top - 30) * (1 - np.log(max(error, low) / low) / np.log(high / low))
+
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height + 20}" font-family="sans-serif" font-size="12">',
            '<rect width="100%" height="100%" fill="white"/>']
     for error in (0.2, 0.5, 1, 2, 5, 10, 20, 50):
@@ -190,10 +193,12 @@ def plot(rows):
         for row in rows:
             material = tuple(row[k] for k in KEY[:2])
             if row["model"] == model and material in rank:
-                out.append(f'<circle cx="{left + (order.index(material) + 0.5) * step:.1f}" cy="{y(float(row["delta_e_itp"])):.1f}" r="3" fill="{colour}">'
-                           f'<title>{row["material"]}: {text(float(row["delta_e_itp"]))}</title></circle>')
+                x, error = left + (order.index(material) + 0.5) * step, float(row["delta_e_itp"])
+                out.append(f'<circle cx="{x:.1f}" cy="{y(error):.1f}" r="3" fill="{colour}">'
+                           f'<title>{row["material"]}: {text(error)}</title></circle>')
         x = left + index * 150
-        out.append(f'<circle cx="{x + 6}" cy="{height + 4}" r="4" fill="{colour}"/><text x="{x + 16}" y="{height + 8}">{NAMES[model]}</text>')
+        out.append(f'<circle cx="{x + 6}" cy="{height + 4}" r="4" fill="{colour}"/>'
+                   f'<text x="{x + 16}" y="{height + 8}">{NAMES[model]}</text>')
     out.append(f'<text x="{left}" y="{top - 6}">ΔE_ITP of {len(order)} materials, in the order of {NAMES[first]}</text></svg>')
     return "\n".join(out) + "\n"
 
@@ -202,9 +207,10 @@ def write_page(folder, results, measured):
     rows = list(results.values())
     databases = sorted({row["database"] for row in rows})
     parts = ["# Leaderboard",
-             "Every measurement is fitted by each model without options. *ΔE_ITP* is the mean visible error of pictures of a sphere "
-             "under eight lightings, and *worst light* that of the worst of them; 1 is just noticeable. PSNR is better if larger, all others if "
-             "smaller. *Bytes* are the numbers of one material.", "![ΔE_ITP of each material](picture.svg)", summary(rows)]
+             "Every measurement is fitted by each model without options. *ΔE_ITP* is the mean visible error of pictures of a "
+             "sphere under eight lightings, and *worst light* that of the worst of them; 1 is just noticeable. PSNR is better if "
+             "larger, all others if smaller. *Bytes* are the numbers of one material.",
+             "![ΔE_ITP of each material](picture.svg)", summary(rows)]
     if len(databases) > 1:
         for database in databases:
             parts += [f"## {database}", summary([row for row in rows if row["database"] == database])]
@@ -214,15 +220,15 @@ def write_page(folder, results, measured):
             model_rows = [row for row in measured.values() if row["model"] == model]
             means = [text(statistics.fmean(float(row[key]) for row in model_rows)) for key in PROTOCOLS[4:]]
             lines.append([NAMES[model], str(len(model_rows)), *means])
+        environments = ", ".join(sorted({row["environment"] for row in measured.values()}))
         parts += ["## By the measures of publications", f"Means. A sphere of {SPHERE} × {SPHERE} pixels and {PATHS:,} paths under "
-                  f"{', '.join(sorted({row['environment'] for row in measured.values()}))}, display values; and {PAIRS:,} pairs of cosine-weighted "
-                  "directions.", table(["model", "materials", "MAE", "PSNR, dB", "MAE of f", "SMAPE of f"], lines)]
-    names = models_in(rows)
-    by = {}
+                  f"{environments}, display values; and {PAIRS:,} pairs of cosine-weighted directions.",
+                  table(["model", "materials", "MAE", "PSNR, dB", "MAE of f", "SMAPE of f"], lines)]
+    names, errors = models_in(rows), {}
     for row in rows:
-        by.setdefault((row["database"], row["material"]), {})[row["model"]] = text(float(row["delta_e_itp"]))
-    parts += ["## Materials", table(["database", "material", *(NAMES[name] for name in names)],
-                                      [[*material, *(errors.get(name, "") for name in names)] for material, errors in sorted(by.items())])]
+        errors.setdefault((row["database"], row["material"]), {})[row["model"]] = text(float(row["delta_e_itp"]))
+    lines = [[*material, *(by_model.get(name, "") for name in names)] for material, by_model in sorted(errors.items())]
+    parts += ["## Materials", table(["database", "material", *(NAMES[name] for name in names)], lines)]
     with open(os.path.join(folder, "README.md"), "w", encoding="utf-8") as file:
         file.write("\n\n".join(parts) + "\n")
     with open(os.path.join(folder, "picture.svg"), "w", encoding="utf-8") as file:
@@ -241,21 +247,22 @@ def main():
     options.add_argument("--protocols", action="store_true")
     options.add_argument("--environment", default="studio", metavar="FILE")
     arguments = options.parse_args()
-    folder, files = arguments.output, {"results.csv": RESULTS, "seconds.csv": SECONDS, "protocols.csv": PROTOCOLS}
+    folder, columns = arguments.output, {"results.csv": RESULTS, "seconds.csv": SECONDS, "protocols.csv": PROTOCOLS}
     os.makedirs(folder, exist_ok=True)
-    results, times, measured_by = (read_rows(os.path.join(folder, name), columns) for name, columns in files.items())
+    tables = {name: read_rows(os.path.join(folder, name), columns[name]) for name in columns}
+    results, times, measured_by = tables.values()
 
     def save():
-        for (name, columns), rows in zip(files.items(), (results, times, measured_by)):
+        for name, rows in tables.items():
             if rows:
-                write_rows(os.path.join(folder, name), columns, rows)
+                write_rows(os.path.join(folder, name), columns[name], rows)
 
     if arguments.merge:
         for path in arguments.paths:
             if not os.path.exists(os.path.join(path, "results.csv")):
                 sys.exit(f"{path}: expected a folder with results.csv")
-            for (name, columns), rows in zip(files.items(), (results, times, measured_by)):
-                rows.update(read_rows(os.path.join(path, name), columns))
+            for name, rows in tables.items():
+                rows.update(read_rows(os.path.join(path, name), columns[name]))
     found = [] if arguments.merge else named(measurements(arguments.paths))
     if not arguments.merge and not found:
         sys.exit(f"{arguments.paths[0]}: expected measurements")

@@ -1,9 +1,9 @@
-"""mitsuba_sampling.py FILE.bsdf...: the relative variance of f cosθ / pdf, luminance, by Mitsuba's `measured`, which samples the
-tables that RGL's format has for it, and by srbf: of the file itself, of the default fit, and of Lambert with one GGX lobe. Each
-samples its own values. A viewer here is a light of the file, since `measured` takes them so; for srbf the file is exchanged.
+"""mitsuba_sampling.py FILE.bsdf..: the relative variance of f cosθ / pdf, luminance, by Mitsuba's `measured`, which samples
+RGL's tables, and by srbf: of the file, of the default fit, and of Lambert with one GGX lobe. Each samples its own values.
+A viewer here is a light of the file, since `measured` takes them so; for srbf the file is exchanged.
 
-First the relative RMS, at 4000 random pairs within 80°, between f cosθ of Mitsuba and of srbf, whose light is Mitsuba's `wi` or
-`wo`, over values that are positive: Mitsuba keeps negative ones. Needs mitsuba of PyPI and the package srbf (docs/python.md)."""
+First the relative RMS, at 4000 random pairs within 80°, between f cosθ of Mitsuba and of srbf, whose light is Mitsuba's `wi`
+or `wo`, over positive values. Needs mitsuba of PyPI and the package srbf (docs/python.md)."""
 import pathlib
 import sys
 

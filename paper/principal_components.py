@@ -51,8 +51,7 @@ class PrincipalComponents:
         return np.log((f * self.cosines + EPSILON) / (self.median * self.cosines + EPSILON))
 
     def fit(self, measured, count, path):
-        """Writes a measurement's table by `count` weights. Returns the sizes of the weights and of what materials share, as
-        16-bit floats in bytes."""
+        """Writes a measurement's table by `count` weights. Returns the bytes of these and of shared numbers as 16-bit floats."""
         f = np.maximum(np.nan_to_num(measured.eval(self.wl, self.wv)), 0)
         components = self.components[:count]
         weights = (components @ (self.logarithm(f) - self.mean).ravel()).astype(np.float16).astype(np.float32)

@@ -35,10 +35,6 @@ def pairs_of(random, count):
     return wl, wv
 
 
-def write_pairs(path, wl, wv):
-    np.savetxt(path, np.hstack([wl, wv]), delimiter=",", header="wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", comments="")
-
-
 def evaluate(program, brdf, pairs):
     """f_r [1/sr] of a measurement or a model at pairs, [M, 3]."""
     command = [program, "eval", brdf, "--pairs", pairs, "--channels", "rgb"]
@@ -54,8 +50,8 @@ class Blends:
 
     def values(self, texels):
         # Normalised exponential variates are uniform over the simplex. A hash of the texel's number gives them.
-        share = -np.log(uniform(texels, len(self.f)))
-        return np.einsum("tk,kmc->tmc", share / share.sum(axis=1, keepdims=True), self.f)
+        fraction = -np.log(uniform(texels, len(self.f)))
+        return np.einsum("tk,kmc->tmc", fraction / fraction.sum(axis=1, keepdims=True), self.f)
 
 
 class Ggx:
@@ -102,7 +98,8 @@ def make(folder, program, files, texels):
     os.makedirs(folder, exist_ok=True)
     random = np.random.default_rng(1)
     for name, count in [("pairs.csv", PAIRS), ("other.csv", OTHER_PAIRS)]:
-        write_pairs(os.path.join(folder, name), *pairs_of(random, count))
+        np.savetxt(os.path.join(folder, name), np.hstack(pairs_of(random, count)), delimiter=",",
+                   header="wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", comments="")
     with open(os.path.join(folder, "files.json"), "w", encoding="utf-8") as file:
         json.dump([os.path.abspath(path) for path in files], file)
     source = materials(program, files, os.path.join(folder, "pairs.csv"))

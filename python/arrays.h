@@ -31,8 +31,7 @@ template <typename T> std::span<const float> floats(const std::vector<T>& values
     return {reinterpret_cast<const float*>(values.data()), values.size() * sizeof(T) / sizeof(float)};
 }
 
-/// A string of Python. Bytes that are not UTF-8 are kept, as in Python's file names ("surrogateescape"), or written
-/// as \\xff ("backslashreplace").
+/// A string of Python. Bytes that are not UTF-8 are kept ("surrogateescape") or written as \\xff ("backslashreplace").
 inline py::str to_python_text(std::string_view text, const char* error_handler = "backslashreplace") {
     auto* decoded = PyUnicode_DecodeUTF8(text.data(), py::ssize_t(text.size()), error_handler);
     if (decoded == nullptr) throw py::error_already_set();
@@ -55,7 +54,7 @@ template <typename T> T required(Result<T> result) {
     return *std::move(result);
 }
 
-/// The first row that is not a unit vector; w.size() if all are. The squared length differs from 1 by less than 1e-3.
+/// The first row whose squared length differs from 1 by 1e-3 or more; w.size() if there is none.
 inline std::size_t first_not_unit(std::span<const Vec3f> w) {
     const auto is_wrong = [&](std::size_t i) { return !(std::abs(dot(w[i], w[i]) - 1) < 1e-3f); };
     constexpr std::size_t block = 1024;

@@ -17,7 +17,7 @@ namespace srbf {
 namespace py = pybind11;
 
 /// Runs work(token) on a thread of its own. Meanwhile this thread handles signals (Ctrl-C) and calls
-/// `progress(stage, fraction)`, which cancels the work by returning False or by an exception, which is rethrown.
+/// `progress(stage, fraction)`. False cancels the computation, and so does an exception, which is rethrown.
 template <typename Work> auto in_background(const py::object& progress, const Work& work) {
     std::mutex mutex;
     std::condition_variable changed;

@@ -1,5 +1,5 @@
 // The library for Python: the module srbf._srbf. On top of it, python/srbf/__init__.py supports arrays of any
-// shape. Most of its functions are in the headers beside it, since two files with pybind11 compile half as long again.
+// shape. Most functions are in headers: because of pybind11, two files took half as long again to compile.
 #include <pybind11/stl.h>
 
 #include "api/table_file.h"

@@ -132,7 +132,7 @@ inline Array channels_of(const PyBrdf& brdf, const Array& wl, const Array& wv) {
     return f;
 }
 
-/// Calls use(prepared) with the BRDF or BSDF prepared for sampling, without the interpreter's lock meanwhile.
+/// Calls use(prepared) with the BRDF or BSDF, which is prepared for sampling without the interpreter's lock.
 template <typename Use> void with_prepared(const PyBrdf& brdf, const Use& use) {
     const auto prepared = [&](auto get) -> const auto& {
         const py::gil_scoped_release released;

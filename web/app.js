@@ -27,8 +27,7 @@ function load_data(name) {
 
 // ---- The worker that fits ----------------------------------------------------------------------------------------
 
-// `worker` holds the file that the page shows. `idle_worker` is started and has no file. `cache` has the unpacked files that
-// every worker needs.
+// `worker` holds the file that the page shows, `idle_worker` has none, and `cache` has the unpacked files that every worker needs.
 let worker = null, idle_worker = null, question_count = 0, cache = null;
 const worker_url = URL.createObjectURL(new Blob([`${binding}\n${working}\nworking();`], { type: "text/javascript" }));
 
@@ -110,7 +109,7 @@ function show_working(stage) {
   set_shown("working", stage !== "");
   document.querySelector("#working progress").value = 0;
   $("stage").textContent = stage;
-  viewer.rest(stage !== "");
+  viewer.set_resting(stage !== "");
 }
 function show_slices(drawings) {
   set_shown("plots", true);

@@ -1,8 +1,6 @@
-// The sliders that edit the fitted model. While one moves, the shader shows the edit of the fitted model; then the worker
-// computes the edited model.
+// The sliders that edit the fitted model. While one moves, the shader shows the edit; then the worker computes the edited model.
 "use strict";
-// `apply(edits, description)` computes and shows the edited model; without edits it discards the model. `preview(edit)` shows an
-// edit by the shader.
+// `apply(edits, description)` computes and shows the edited model, or discards it without edits. `preview(edit)` uses the shader.
 function new_editing({ apply, preview }) {
 const form = document.querySelector("#editing form"), inputs = [...form.querySelectorAll("input")];
 const value = (name) => Number(form.elements[name].value);

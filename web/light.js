@@ -144,8 +144,7 @@ async function read_file(file) {
 
 // ---- A photographer's light --------------------------------------------------------------------------------------
 
-// A soft box, a strip light behind the object on the opposite side, and walls that are brighter above than below. All edges are
-// soft, so that few texels suffice.
+// A soft box, a strip light behind the object on the opposite side, and walls that are brighter above. Soft edges need few texels.
 function soft_box() {
   const width = 256, height = 128, texels = new Float32Array(3 * width * height), degree = Math.PI / 180;
   // Azimuth from the viewer to the right, elevation, half the width and height, and radiance.

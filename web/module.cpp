@@ -175,8 +175,7 @@ ProgressToken host_progress() {
 
 std::string text_of(const char* text, std::size_t size) { return std::string(text, size); }
 
-/// The model after a round trip through its file, so that everything derived from it is what the program derives
-/// from the file.
+/// The model as its file stores it, so that everything derived from it is what the program derives from the file.
 Result<Model> reread(const Model& model, const std::string& name) { return read_model(write_model(model), name); }
 
 }  // namespace
@@ -316,8 +315,7 @@ SRBF_EXPORT(code_languages) int code_languages() {
     return set_json(names);
 }
 
-/// Sets the content to shading code of a model. `sampling` adds NAME_sample and NAME_pdf, `environment`
-/// NAME_environment.
+/// Sets the content to shading code of a model, with `sampling` and with `environment` as srbf.d.ts says.
 SRBF_EXPORT(code) int code(int number, const char* language, std::size_t size, int sampling, int environment) {
     const LoadedFile* subject = subject_of(number);
     const Model* model = model_of(subject);

@@ -21,8 +21,8 @@ SHADER = re.compile(r"<pre id='glsl-\d+'>(.*?)</pre>", re.S)
 
 
 def encode_differences(numbers, strides):
-    """Returns bytes of numbers of 16 bits: their differences to the numbers a stride before, for one stride after the other, with the sign as
-    the lowest bit. All low bytes precede the high ones."""
+    """Returns bytes of numbers of 16 bits: their differences to the numbers a stride before, for one stride after the other,
+    with the sign as the lowest bit. All low bytes precede the high ones."""
     for stride in reversed(strides):
         numbers = [number - (numbers[i - stride] if i >= stride else 0) & 0xFFFF for i, number in enumerate(numbers)]
     folded = [2 * delta if delta < 0x8000 else 2 * (0xFFFF - delta) + 1 for delta in numbers]
@@ -46,8 +46,7 @@ def colours_of(texture):
 
 
 def parts_of(data):
-    """Yields the large arrays of the data: the object that holds each, its key there, the numbers, the lists of strides to choose from, and the
-    scale."""
+    """Yields for each large array of the data: its object, its key there, the numbers, lists of possible strides, and the scale."""
     for mesh in data["meshes"].values():
         if mesh["index_bytes"] == 2:
             yield mesh, "triangles", array.array("H", base64.b64decode(mesh["triangles"])), [[3]], None
@@ -67,8 +66,7 @@ def escape(text):
 
 
 def extract_shared_text(page, data):
-    """Removes from the page and the data the lines that the shaders of all materials share with one of the environment's. Returns the page and
-    these lines."""
+    """Takes the lines that all shaders share with an environment's out of the data. Returns the page and these lines."""
     shaders, develop = [html.unescape(shader).split("\n") for shader in SHADER.findall(page)], data["develop"].split("\n")
     if not shaders:
         return page, ""

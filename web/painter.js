@@ -9,7 +9,7 @@
 //   draw         `number` of the request; `pictures`, each with `subject` (a material's index, or "difference" of the first two),
 //                width, height, scene; `is_new`: forgets the samples so far; `reset_exposure`: sets a new exposure under an
 //                environment; `is_quick`: starts with the coarsest picture, because another one may follow at once
-//   rest         `is_resting`: take few samples of a picture, because a fit is running
+//   resting      `is_resting`: take few samples of a picture, because a fit is running
 //   lose         for tests: loses the context, or restores it
 // and posts { kind, .. }: picture (subject, image, number), drawn (number, samples, exposure), refused (subject, why), busy
 // (compiling shaders), environment (preparing one), lost, restored.
@@ -96,20 +96,6 @@ function program_of(vertex, fragment) {
   }
   return programs.get(key);
 }
-// Sets the uniforms that hold the numbers of a material.
-function use_numbers({ program, location }, { block, vectors, vectors_name, nodes, grains, textures, description: { edit } }) {
-  gl.useProgram(program);
-  if (block) gl.uniformBlockBinding(program, gl.getUniformBlockIndex(program, "PmNumbers"), 0);
-  if (vectors) gl.uniform4fv(location(vectors_name), vectors);
-  textures.forEach(({ sampler }, unit) => gl.uniform1i(location(sampler), unit));
-  if (edit) {
-    gl.uniform1fv(location("edited_shares"), edit.shares);
-    gl.uniform2fv(location("edited_roughness"), edit.roughness);
-    gl.uniform1i(location("edited_part"), edit.part);
-  }
-  if (location("mixture_numbers")) gl.uniform4fv(location("mixture_numbers"), nodes);
-  if (location("mixture_grain")) gl.uniform2fv(location("mixture_grain"), grains);
-}
 function new_material(description) {
   const { block, textures = [], text } = description, floats = (numbers) => numbers && new Float32Array(bytes_of(numbers).buffer);
   const material = { description, ...program_of(data.vertex, text), block: null, vectors_name: description.vectors_name };
@@ -151,17 +137,28 @@ function new_mesh(gl, { vertices, triangles, index_bytes }) {
   const type = index_bytes === 2 ? gl.UNSIGNED_SHORT : gl.UNSIGNED_INT;
   return { array, corners: indices.length / index_bytes, type };
 }
-function use_material(index, program, scene) {
-  const { block, textures } = materials[index], { location } = program;
-  use_numbers(program, materials[index]);
-  gl.uniform3fv(location("eye"), scene.eye);
-  gl.uniform3fv(location("light_direction"), scene.directions);
-  gl.uniform3fv(location("light_irradiance"), scene.irradiances);
+// Uses a program with the numbers of a material and the lights of a scene.
+function use_material(index, { program, location }, scene) {
+  const { block, vectors, vectors_name, nodes, grains, textures, description: { edit } } = materials[index];
+  gl.useProgram(program);
   gl.bindBufferBase(gl.UNIFORM_BUFFER, 0, block);
-  textures.forEach(({ bind_point, texture }, unit) => {
+  if (block) gl.uniformBlockBinding(program, gl.getUniformBlockIndex(program, "PmNumbers"), 0);
+  if (vectors) gl.uniform4fv(location(vectors_name), vectors);
+  textures.forEach(({ sampler, bind_point, texture }, unit) => {
+    gl.uniform1i(location(sampler), unit);
     gl.activeTexture(gl.TEXTURE0 + unit);
     gl.bindTexture(bind_point, texture);
   });
+  if (edit) {
+    gl.uniform1fv(location("edited_shares"), edit.shares);
+    gl.uniform2fv(location("edited_roughness"), edit.roughness);
+    gl.uniform1i(location("edited_part"), edit.part);
+  }
+  if (location("mixture_numbers")) gl.uniform4fv(location("mixture_numbers"), nodes);
+  if (location("mixture_grain")) gl.uniform2fv(location("mixture_grain"), grains);
+  gl.uniform3fv(location("eye"), scene.eye);
+  gl.uniform3fv(location("light_direction"), scene.directions);
+  gl.uniform3fv(location("light_irradiance"), scene.irradiances);
 }
 function draw_mesh({ program, location }, scene, shift) {
   gl.useProgram(program);
@@ -320,7 +317,7 @@ vec4 enlarged(sampler2D part) {
                mix(texel(part, first + ivec2(0, 1)), texel(part, first + ivec2(1, 1)), within.x), within.y);
 }
 void main() {
-    vec4 body_texel = enlarged(body); // w is the share of the pixel that the object covers
+    vec4 body_texel = enlarged(body); // w is the fraction of the pixel that the object covers
     vec3 sum = colours[0] * enlarged(highlight).rgb + colours[1] * body_texel.rgb;
     vec3 shown = displayed(sum / max(body_texel.w, 1.0e-3));
     shown = vec3(srgb_transfer(shown.x), srgb_transfer(shown.y), srgb_transfer(shown.z));
@@ -444,8 +441,7 @@ function wait_for_card(buffer = null) {
   gl.readPixels(0, 0, 1, 1, gl.RGBA, buffer ? gl.FLOAT : gl.UNSIGNED_BYTE, new (buffer ? Float32Array : Uint8Array)(4));
 }
 const pixels_of = (pictures) => pictures.reduce((sum, { width, height }) => sum + width * height, 0);
-// The initial resolution of a new picture, relative to the page's pixels: lower under an environment if samples are slow.
-// Edits choose their own resolution.
+// The initial resolution of a new picture without edits, relative to the page's pixels: lower under an environment if samples are slow.
 function initial_size({ is_quick, pictures }) {
   if (is_quick || samples > 0 || !pictures.length || !pictures[0].scene.around) return 1;
   if (pictures.some(({ subject }) => descriptions[subject]?.edit)) return 1;
@@ -535,7 +531,7 @@ const actions = {
     job = { ...message, size: initial_size(message) };
     draw_soon(0);
   },
-  rest(message) {
+  resting(message) {
     is_resting = message.is_resting;
     if (!is_resting) draw_soon(0);
   },

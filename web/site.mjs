@@ -1,5 +1,4 @@
-// node site.mjs MODULE.wasm FOLDER VERSION: writes the page for any browser as one folder, and beside it the page in one file and
-// the module as a package.
+// node site.mjs MODULE.wasm FOLDER VERSION: writes the page as a folder, and beside it the page in one file and the module as a package.
 import { readFile, readdir, writeFile, mkdir, copyFile } from "node:fs/promises";
 import { gzipSync } from "node:zlib";
 import path from "node:path";

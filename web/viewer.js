@@ -15,8 +15,7 @@ const direction_of = ([azimuth, elevation]) =>
   [Math.cos(elevation) * Math.sin(azimuth), Math.sin(elevation), Math.cos(elevation) * Math.cos(azimuth)];
 const clamp = (x, low, high) => Math.min(Math.max(x, low), high);
 
-// The initial view: azimuth and elevation of the camera and of the first light, the environment's rotation, zoom
-// and which pictures are shown.
+// The initial view: azimuth and elevation of the camera and of the first light, the environment's rotation, zoom and shown pictures.
 const initial_view = () => ({ camera: [0, data.elevation], light: angles_of(data.lights[0].towards), turned: environment_azimuth, zoom: 1,
   shown: initial_pictures() });
 // `environment_azimuth`: the initial rotation of the environment. `edit_figure`: the figure that shows edits, or null.
@@ -420,8 +419,8 @@ for (const button of document.querySelectorAll(".copy"))
   });
 
 // While a fit is running, pictures take only a few samples.
-const rest = (is_resting) => painter?.send({ kind: "rest", is_resting });
+const set_resting = (is_resting) => painter?.send({ kind: "resting", is_resting });
 
 const lose = (is_lost) => painter.send({ kind: "lose", is_lost }); // for tests
-return { start, set_material, set_edit, open_environment, rest, settled, scene, lose, can_preview: () => has_floats };
+return { start, set_material, set_edit, open_environment, set_resting, settled, scene, lose, can_preview: () => has_floats };
 })();

@@ -25,7 +25,7 @@ function prepared_picture(name) {
   return { highlight, material: { bytes: new TextEncoder().encode(JSON.stringify({ ...material, text })), exposure: material.exposure } };
 }
 let span = [0, 1]; // the part of an action to which the module's progress refers
-const k_draft_part = 0.15; // approximate share of the draft in the time of a fit
+const k_draft_fraction = 0.15; // of the time of a fit, approximately
 
 const actions = {
   open({ name, bytes, is_ready }) {
@@ -42,11 +42,11 @@ const actions = {
   },
   fit({ options }) {
     if (!measured.twoSided) {
-      span = [0, k_draft_part];
+      span = [0, k_draft_fraction];
       const { number, ...report } = srbf.draft(measured.number, options), material = material_of({ number });
       postMessage({ draft: { ...report, material, slices: srbf.slices(measured.number, number) } }, [material.bytes.buffer]);
       srbf.close(number);
-      span = [k_draft_part, 1];
+      span = [k_draft_fraction, 1];
     }
     const fitted = srbf.fit(measured.number, options);
     for (const subject of [model, edited]) if (subject) srbf.close(subject.number);

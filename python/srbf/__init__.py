@@ -326,17 +326,17 @@ def load(path: Path, *, columns: str = "", quantity: Optional[_options.Quantity]
 def load_measurement(path: Path, *, columns: str = "", quantity: Optional[_options.Quantity] = None, floor: float = 0) -> Measurement:
     """Reads a measurement like `load`. Raises Error also if the file is a model."""
     brdf = load(path, columns=columns, quantity=quantity, floor=floor)
-    if isinstance(brdf, Measurement):
-        return brdf
-    raise _wrong_kind(path, "a measurement", "a model")
+    if not isinstance(brdf, Measurement):
+        raise _wrong_kind(path, "a measurement", "a model")
+    return brdf
 
 
 def load_model(path: Path) -> Model:
     """Reads a model like `load`. Raises Error also if the file is a measurement."""
     brdf = load(path)
-    if isinstance(brdf, Model):
-        return brdf
-    raise _wrong_kind(path, "a model", "a measurement")
+    if not isinstance(brdf, Model):
+        raise _wrong_kind(path, "a model", "a measurement")
+    return brdf
 
 
 def _wrong_kind(path: Path, expected: str, found: str) -> Error:
@@ -492,8 +492,7 @@ def code(models: Union[Model, Mapping[str, Model]], to: Union[Language, HostMate
 
 
 def png(picture: npt.ArrayLike) -> bytes:
-    """Linear values [height, width, 3] as a PNG file in sRGB. Values outside [0, 1] are clipped. Multiply a picture of `render` by an
-    exposure first."""
+    """Linear values [height, width, 3], clipped to [0, 1], as a PNG file in sRGB. Pictures of `render` need an exposure first."""
     linear = _numbers(picture, "picture")
     if linear.ndim != 3 or linear.size == 0:
         raise ValueError(f"picture: expected shape [height, width, 3], found {list(linear.shape)}")

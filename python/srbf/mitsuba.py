@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import types
 import warnings
-from typing import Any, Callable
+from typing import Any, Sequence
 
 import drjit as dr
 import mitsuba as mi
@@ -64,7 +64,7 @@ def _functions(model: srbf.Model, parameters: dict[str, Any]) -> types.SimpleNam
     """The model's functions over arrays of the current variant. They read `parameters` when they are called. The numbers that can
     change are added to `parameters`, as tensors."""
 
-    def table(numbers: list[float], sources: list[tuple[str, int]] = []) -> Any:
+    def table(numbers: list[float], sources: Sequence[tuple[str, int]] = ()) -> Any:
         for name in dict.fromkeys(name.lstrip("-") for name, _ in sources if name):
             parameters[name] = mi.TensorXf(model.parameters[name])
         if sources:
@@ -186,8 +186,7 @@ def _compiled_bsdf(base: Any) -> Any:
 
 def _array_bsdf(base: Any) -> Any:
     class ArrayBSDF(base):
-        """Uses the printed formulas, on arrays. Samples keep the mixture weights of the loaded model, so that any parameters have the
-        same density."""
+        """Uses the printed formulas, on arrays. Samples keep the density of the loaded model if parameters change."""
 
         def _value(self, si: Any, wo: Any) -> Any:
             f = self.f.brdf(mi.Vector3f(wo), mi.Vector3f(si.wi))
@@ -216,14 +215,9 @@ def _array_bsdf(base: Any) -> Any:
     return ArrayBSDF
 
 
-def _plugin() -> Any:
-    """The BSDF for the current variant."""
-    make = _compiled_bsdf if (mi.variant() or "").startswith("scalar") else _array_bsdf
-    return make(_model_bsdf())
-
-
 def _on_variant(_old: Any = None, _new: Any = None) -> None:
-    mi.register_bsdf("srbf", _plugin())
+    make = _compiled_bsdf if (mi.variant() or "").startswith("scalar") else _array_bsdf
+    mi.register_bsdf("srbf", make(_model_bsdf()))
 
 
 if mi.variant() is not None:

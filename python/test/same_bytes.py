@@ -26,7 +26,8 @@ def say(what: str, data: bytes) -> None:
 paper = srbf.load(pathlib.Path(sys.argv[1]) / "paper_white_rgb.bsdf")
 wl, wv = directions(1), directions(2)
 say("the measurement's values", paper.eval(wl, wv).tobytes())
-for kind, options in {"ggx": {"model": "ggx", "lobes": 1, "objective": "raw"}, "pm": {"lobes": 2, "variates": 2, "objective": "cosine"}}.items():
+for kind, options in (("ggx", {"model": "ggx", "lobes": 1, "objective": "raw"}),
+                      ("pm", {"lobes": 2, "variates": 2, "objective": "cosine"})):
     model = srbf.fit(paper, **options).model
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "model.srbf"

@@ -26,7 +26,8 @@ CALLS = {
     "exchanged": lambda brdf: brdf.exchanged().eval(WL, WV),
     "properties": lambda brdf: (brdf.is_exchanged, brdf.isotropic, brdf.wavelengths, brdf.nbytes, repr(brdf), hash(brdf)),
     "pickle": lambda brdf: pickle.loads(pickle.dumps(brdf)).eval(WL, WV),
-    "parameters": lambda brdf: repr((brdf.kind, brdf.parameters, brdf.provenance)) if isinstance(brdf, srbf.Model) else (brdf.format, brdf.source),
+    "parameters": lambda brdf: repr((brdf.kind, brdf.parameters, brdf.provenance)
+                                    if isinstance(brdf, srbf.Model) else (brdf.format, brdf.source)),
 }
 
 
@@ -91,8 +92,8 @@ def test_file_names_need_not_be_utf8(tmp_path):
     fitted.provenance["source"].encode()
     srbf.convert(fitted, os.fsdecode(table))
     for call in (lambda: srbf.load(os.fsdecode(table) + ".none"), lambda: srbf.load_model(os.fsdecode(table)),
-                 lambda: fitted.save(os.fsdecode(model) + "/m"),
-                 lambda: srbf.convert(paper, os.fsdecode(table) + "x"), lambda: srbf.load(str(tmp_path) + "\0"), lambda: srbf.load(tmp_path)):
+                 lambda: fitted.save(os.fsdecode(model) + "/m"), lambda: srbf.convert(paper, os.fsdecode(table) + "x"),
+                 lambda: srbf.load(str(tmp_path) + "\0"), lambda: srbf.load(tmp_path)):
         with pytest.raises(srbf.Error) as raised:
             call()
         str(raised.value).encode()
@@ -110,7 +111,8 @@ def test_samples_of_other_shapes_are_refused(shape):
         srbf.from_arrays(directions(7, seed=0), directions(7, seed=1), np.full(shape, 0.2))
 
 
-@pytest.mark.parametrize("change", [lambda f: f.T, lambda f: f[:, 0], lambda f: f[:1], lambda f: f[..., None], lambda f: f[:, :2], lambda f: 0.2])
+@pytest.mark.parametrize("change", [lambda f: f.T, lambda f: f[:, 0], lambda f: f[:1], lambda f: f[..., None], lambda f: f[:, :2],
+                                    lambda f: 0.2])
 def test_functions_return_rows(change):
     with pytest.raises(ValueError, match=r"function: expected shape \[\d+, 3\] or \[\d+, 1\], found \["):
         srbf.fit(lambda wl, wv: change(np.full(wl.shape, 0.2)), model="ggx", lobes=1, objective="raw")

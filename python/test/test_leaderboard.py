@@ -11,7 +11,8 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 
 def run(*arguments):
     environment = {**os.environ, "PYTHONPATH": str(Path(srbf.__file__).parent.parent)}
-    return subprocess.run([sys.executable, ROOT / "paper/leaderboard.py", *map(str, arguments)], capture_output=True, text=True, env=environment, check=False)
+    command = [sys.executable, ROOT / "paper/leaderboard.py", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
 
 
 def test_results_repeat_and_merge(tmp_path):

@@ -1,4 +1,5 @@
 """The BSDF for Mitsuba 3, if it is installed (`pip install mitsuba`). Its vectorised variants need LLVM 16 or later."""
+import functools
 import pathlib
 
 import numpy as np
@@ -10,7 +11,8 @@ mi = pytest.importorskip("mitsuba")
 DATA = pathlib.Path(__file__).parents[2] / "data"
 
 
-def models():
+@functools.cache
+def all_models():
     film, paper = DATA / "cc_ibiza_sunset_rgb.bsdf", DATA / "paper_white_rgb.bsdf"
     fits = {"film": (film, {}), "as measured": (film, {"as_measured": True}), "gaussian": (paper, {"form": "gaussian", "lobes": 4}),
             "general": (film, {"axial": False, "lobes": 2, "variates": 2, "objective": "cosine"}),
@@ -38,12 +40,6 @@ def variant(request):
 def only(name):
     """Marks a test that applies to this variant only."""
     return pytest.mark.parametrize("variant", [name], indirect=True)
-
-
-def all_models(made={}):
-    if not made:
-        made.update(models())
-    return made
 
 
 @pytest.mark.parametrize("name", ["film", "gaussian", "general", "ggx", "surface", "paper"])

@@ -35,11 +35,12 @@ void main() {
 }
 """
 # The third and fourth interpolated values of Unity's shader are for fog and shadows. In Godot's shader all values have names.
-UNITY = ("layout(location = 0) out vec3 a; layout(location = 1) out vec3 b; layout(location = 2) out float c; layout(location = 3) out vec4 d;",
+UNITY = ("layout(location = 0) out vec3 a; layout(location = 1) out vec3 b; "
+         "layout(location = 2) out float c; layout(location = 3) out vec4 d;",
          "a = position; b = normal; c = 1.0; d = vec4(1.0);")
 GODOT = ("out vec3 NORMAL, VIEW, LIGHT, LIGHT_COLOR;",
-         f"NORMAL = normal; VIEW = normalize(vec3(0.0, 0.0, {lit_sphere.DISTANCE}) - position); LIGHT = vec3({', '.join(map(str, lit_sphere.TO_LIGHT))});"
-         f"LIGHT_COLOR = vec3({lit_sphere.IRRADIANCE});")
+         f"NORMAL = normal; VIEW = normalize(vec3(0.0, 0.0, {lit_sphere.DISTANCE}) - position); "
+         f"LIGHT = vec3({', '.join(map(str, lit_sphere.TO_LIGHT))}); LIGHT_COLOR = vec3({lit_sphere.IRRADIANCE});")
 
 
 class Sphere:

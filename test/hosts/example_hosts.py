@@ -28,12 +28,6 @@ FILAMENT = "/usr/include/filament-1.9"  # where Debian has its headers
 MATERIALS = {"film": "cc_ibiza_sunset_rgb", "paper": "paper_white_rgb"}
 
 
-def package_folder(name):
-    """Returns the folder of a Python package, or None if it is not installed."""
-    found = importlib.util.find_spec(name)
-    return found and Path(found.submodule_search_locations[0])
-
-
 def draw_by_page(flags, files):
     """Draws with the page of an example in Chromium. Beside the page stand these files of the host: {name: text}."""
     def draw(example, code, picture):
@@ -106,9 +100,9 @@ def three_files(files):
 
 def babylon_script():
     """Returns the script of Babylon.js, which a module of pybabylonjs contains, or None without the package."""
-    folder = package_folder("pybabylonjs") or Path(__file__)
-    text = "".join(path.read_text(encoding="utf-8") + ";\n"
-                   for path in folder.glob("labextension/static/*.js") if path.stat().st_size > 2e5)
+    package = importlib.util.find_spec("pybabylonjs")
+    scripts = Path(package.submodule_search_locations[0]).glob("labextension/static/*.js") if package else ()
+    text = "".join(path.read_text(encoding="utf-8") + ";\n" for path in scripts if path.stat().st_size > 2e5)
     module = re.search(r"(\d+):\(\w,(\w),\w\)=>\{\"use strict\";\w\.r\(\2\),\w\.d\(\2,\{AbstractActionManager:", text)
     webpack = Path(__file__).with_name("webpack.js").read_text(encoding="utf-8")
     return module and webpack.replace("\nCHUNK\n", f"\n{text}\n") + f"window.BABYLON = load({module[1]});"

@@ -18,7 +18,6 @@ import subprocess
 import sys
 import tempfile
 from importlib.metadata import version
-from pathlib import Path
 
 from support.checks import ROOT, arguments, expect, finish, skip
 
@@ -47,16 +46,14 @@ def film_of(size):
 
 
 def picture_of(bsdf):
-    def seen_from(origin):
-        return mi.ScalarTransform4f().look_at(origin=origin, target=[0, 0, 0], up=[0, 1, 0])
+    camera = mi.ScalarTransform4f().look_at(origin=[0, 0, lit_sphere.DISTANCE], target=[0, 0, 0], up=[0, 1, 0])
     return np.array(mi.render(mi.load_dict({
         "type": "scene", "integrator": {"type": "direct", "emitter_samples": 1, "bsdf_samples": 0},
         "light": {"type": "directional", "direction": list(-lit_sphere.TO_LIGHT),
                   "irradiance": {"type": "rgb", "value": lit_sphere.IRRADIANCE}},
         "ball": {"type": "sphere", "bsdf": bsdf},
-        "camera": {"type": "perspective", "fov": math.degrees(2 * lit_sphere.HALF_FIELD),
-                   "to_world": seen_from([0, 0, lit_sphere.DISTANCE]), "film": film_of(lit_sphere.SIZE),
-                   "sampler": {"type": "stratified", "sample_count": 16}},
+        "camera": {"type": "perspective", "fov": math.degrees(2 * lit_sphere.HALF_FIELD), "to_world": camera,
+                   "film": film_of(lit_sphere.SIZE), "sampler": {"type": "stratified", "sample_count": 16}},
     })), dtype=float)
 
 
@@ -83,7 +80,8 @@ def integrals(bsdf, at):
     """Returns the integrals of density and value (green) over cells of the sphere, by the midpoints of smaller cells."""
     z = (np.arange(CELLS[0] * FINER) + 0.5) / (CELLS[0] * FINER) * 2 - 1
     phi = (np.arange(CELLS[1] * FINER) + 0.5) / (CELLS[1] * FINER) * 2 * np.pi
-    both = [bsdf.eval_pdf(mi.BSDFContext(), at, mi.Vector3f(*wo)) for wo in directions(*np.meshgrid(z, phi, indexing="ij")).reshape(-1, 3).tolist()]
+    points = directions(*np.meshgrid(z, phi, indexing="ij")).reshape(-1, 3).tolist()
+    both = [bsdf.eval_pdf(mi.BSDFContext(), at, mi.Vector3f(*wo)) for wo in points]
     area = 4 * np.pi / (CELLS[0] * CELLS[1] * FINER**2)
     values = np.array([(density, value[1]) for value, density in both]) * area
     return values.reshape(CELLS[0], FINER, CELLS[1], FINER, 2).sum((1, 3))
@@ -112,8 +110,9 @@ def check_samples(name, bsdf, wi):
                 abs(bsdf.eval(context, at, s.wo)[1] - weight * s.pdf) <= 1e-3 * weight * s.pdf + 1e-6 for s, weight in scattered[::20])
     agree = agree and all(np.allclose(s.wo, STRAIGHT[s.sampled_type] * wi, atol=1e-6) for s, _ in beams)
     wo = np.array([s.wo for s, _ in scattered])
-    cells = np.floor((wo[:, 2] + 1) / 2 * CELLS[0]).clip(0, CELLS[0] - 1), np.floor(np.arctan2(wo[:, 1], wo[:, 0]) / (2 * np.pi) % 1 * CELLS[1])
-    found = np.histogram2d(*cells, bins=CELLS, range=[[0, CELLS[0]], [0, CELLS[1]]])[0].ravel()
+    rows = np.floor((wo[:, 2] + 1) / 2 * CELLS[0]).clip(0, CELLS[0] - 1)
+    columns = np.floor(np.arctan2(wo[:, 1], wo[:, 0]) / (2 * np.pi) % 1 * CELLS[1])
+    found = np.histogram2d(rows, columns, bins=CELLS, range=[[0, CELLS[0]], [0, CELLS[1]]])[0].ravel()
     cell_integrals = integrals(bsdf, at)
     expected = SAMPLES * cell_integrals[..., 0].ravel()
     # Cells with few samples are pooled, and so are samples that are not scattered.
@@ -124,7 +123,8 @@ def check_samples(name, bsdf, wi):
     weights, beam_weights = (np.array([weight for _, weight in kind]) for kind in (scattered, beams))
     mean, integral = weights.sum() / SAMPLES, cell_integrals[..., 1].sum()
     expect(agree and deviations < 3.5 and abs(mean - integral) < 4 * math.sqrt((weights**2).sum()) / SAMPLES + 0.003 * integral,
-           f"{name}, cosθ {wi[2]:+.1f}: χ² is {deviations:+.1f} deviations off, mean of weights {mean:.4f}, integral {integral:.4f}; {len(beams)} beams")
+           f"{name}, cosθ {wi[2]:+.1f}: χ² is {deviations:+.1f} deviations off, mean of weights {mean:.4f}, integral "
+           f"{integral:.4f}; {len(beams)} beams")
     return mean + beam_weights.sum() / SAMPLES
 
 
@@ -134,7 +134,8 @@ def seen_in_white(bsdf, wi):
         "type": "scene", "integrator": {"type": "path", "max_depth": 3},
         "sky": {"type": "constant", "radiance": {"type": "rgb", "value": 1}},
         "surface": {"type": "rectangle", "to_world": mi.ScalarTransform4f().scale(100), "bsdf": bsdf},
-        "camera": {"type": "orthographic", "film": film_of(8), "to_world": mi.ScalarTransform4f().look_at((10 * wi).tolist(), [0, 0, 0], [0, 1, 0])},
+        "camera": {"type": "orthographic", "film": film_of(8),
+                   "to_world": mi.ScalarTransform4f().look_at((10 * wi).tolist(), [0, 0, 0], [0, 1, 0])},
     }), spp=4096))[..., 1].mean()
 
 

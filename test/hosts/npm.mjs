@@ -1,5 +1,4 @@
-// node npm.mjs [PROGRAM]: checks that the package of build/npm fits what the program fits and reports its errors, and that broken files do not
-// stop it.
+// node npm.mjs [PROGRAM]: checks that the package of build/npm fits what the program fits, and that broken files do not stop it.
 // needs: site
 import assert from "node:assert";
 import { execFileSync } from "node:child_process";
@@ -42,9 +41,9 @@ for (const kind of readdirSync(path.join(root, "fuzz/corpus"))) {
   if (kind === "command_line") continue;
   for (const name of readdirSync(path.join(root, "fuzz/corpus", kind))) {
     const whole = readFileSync(path.join(root, "fuzz/corpus", kind, name));
-    for (const share of [1, 0.9, 0.5, 0.1])
+    for (const fraction of [1, 0.9, 0.5, 0.1])
       try {
-        const opened = await open(whole.subarray(0, Math.floor(share * whole.length)), name);
+        const opened = await open(whole.subarray(0, Math.floor(fraction * whole.length)), name);
         opened.evaluate(wl, wv);
         opened.close();
         ++read;

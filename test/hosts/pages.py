@@ -31,13 +31,13 @@ def srbf(folder, *arguments):
     subprocess.run([program, *arguments], cwd=folder, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
-def materials(folder, page):
+def materials(folder):
     (folder / "materials").mkdir()
     for name, file in [("nickel", "paper_white_rgb"), ("film", "cc_ibiza_sunset_rgb")]:
         srbf(folder, "convert", f"data/{file}.bsdf", "-o", f"materials/{name}.binary")
 
 
-def texels(folder, page):
+def texels(folder):
     """Texels, each the paper times a colour of its own: six rows of 512, or a few."""
     import numpy as np
 
@@ -47,8 +47,8 @@ def texels(folder, page):
     np.save(folder / "texels.npy", (colours * np.abs(pairs[None, :, 6:9])).astype(np.float32))
 
 
-def masks(folder, page):
-    """Three materials, and the share of each in a map of 16 x 8 texels."""
+def masks(folder):
+    """Three materials, and the fraction of each in a map of 16 x 8 texels."""
     import numpy as np
 
     for name, file in [("paper", "paper_white_rgb"), ("film", "cc_ibiza_sunset_rgb"), ("gold", "cc_ibiza_sunset_rgb")]:
@@ -56,7 +56,7 @@ def masks(folder, page):
     np.save(folder / "masks.npy", np.random.default_rng(1).dirichlet([1, 1, 1], [8, 16]).astype(np.float32))
 
 
-def goniometer_scan(folder, page):
+def goniometer_scan(folder):
     """Columns of a goniometer: scans in the plane of incidence over four decades."""
     rows = [f"{light} 180 {abs(view)} {0 if view >= 0 else 180} {2e-3 + 20 / (1 + (view - light) ** 2):.5g}"
             for light in (5, 20, 40, 60) for view in range(-80, 81, 2)]
@@ -65,9 +65,9 @@ def goniometer_scan(folder, page):
 
 READER_FILES = {
     "materials/": materials, "texels.npy": texels, "masks.npy": masks, "scan.csv": goniometer_scan,
-    "shade.xml": lambda folder, page: shutil.copy(measurements / "klems/2011-SA1.xml", folder / "shade.xml"),
-    "sky.hdr": lambda folder, page: shutil.copy(ROOT / "data/studio.hdr", folder / "sky.hdr"),
-    "paint.brdf": lambda folder, page: shutil.copy(measurements / "cornell/garnet_red.brdf", folder / "paint.brdf"),
+    "shade.xml": lambda folder: shutil.copy(measurements / "klems/2011-SA1.xml", folder / "shade.xml"),
+    "sky.hdr": lambda folder: shutil.copy(ROOT / "data/studio.hdr", folder / "sky.hdr"),
+    "paint.brdf": lambda folder: shutil.copy(measurements / "cornell/garnet_red.brdf", folder / "paint.brdf"),
 }
 
 
@@ -77,7 +77,7 @@ def prepare(folder, page):
         (folder / name).symlink_to(ROOT / name)
     for name, make in READER_FILES.items():
         if name in page.read_text(encoding="utf-8") and page.parent.name != "tutorials":
-            make(folder, page)
+            make(folder)
     environment = dict(os.environ, PATH=f"{program.parent}:{Path(sys.executable).parent}:{os.environ['PATH']}")
     environment["PYTHONPATH"] = os.pathsep.join([str(program.parent / "python"), *(p for p in sys.path if p and Path(p) not in OWN_PATHS)])
     environment["CMAKE_PREFIX_PATH"] = str(program.parent.parent / "hosts/prefix")

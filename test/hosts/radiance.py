@@ -50,13 +50,12 @@ def tree_values(name, folder):
     path = f"{data}/tensor/{name}"
     bsdf, random, pairs, expected = radiance.load_file(path), np.random.default_rng(1), [], []
     for _ in range(3000):
-        angles = np.degrees(np.arccos(random.uniform(-1, 1, 2))), random.uniform(0, 360, 2)
-        one = direction(angles[0][0], angles[1][0]), direction(angles[0][1], angles[1][1])
-        reflects_back = one[0][2] > 0 and one[1][2] > 0  # WINDOW's back
-        if one[0][2] * one[1][2] > 0 and not reflects_back:
-            continue  # neither file has it: Radiance takes it for black
-        pairs.append(np.r_[one])
-        expected.append(radiance.query(bsdf, angles[0][0], angles[1][0], angles[0][1], angles[1][1])[1])
+        theta, phi = np.degrees(np.arccos(random.uniform(-1, 1, 2))), random.uniform(0, 360, 2)
+        incoming, outgoing = map(direction, theta, phi)
+        if incoming[2] < 0 and outgoing[2] < 0:
+            continue  # reflection from WINDOW's front is in neither file: Radiance takes it for black
+        pairs.append(np.r_[incoming, outgoing])
+        expected.append(radiance.query(bsdf, theta[0], phi[0], theta[1], phi[1])[1])
     pairs, expected = np.reshape(pairs, (-1, 6)), np.array(expected)
     found = values(path, pairs, folder)
     # At the edge of a leaf the values of both sides are valid.

@@ -40,7 +40,8 @@ DRAWN = """new Promise((done, failed) => {
     setTimeout(() => failed("nothing was drawn"), 100000);
     const canvases = () => [...document.querySelectorAll("figure canvas")];
     const look = async () => {
-        if (typeof viewer === "undefined" || !canvases().length || canvases().some(({ width }) => width === 300)) return setTimeout(look, 200);
+        const is_empty = !canvases().length || canvases().some(({ width }) => width === 300);
+        if (typeof viewer === "undefined" || is_empty) return setTimeout(look, 200);
         await viewer.settled();
         done(canvases().map((canvas) => {
             const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height }).getContext("2d");

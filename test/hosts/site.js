@@ -18,11 +18,15 @@
       transfer.items.add(element_of("given").files[0]);
       document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: transfer, bubbles: true, cancelable: true }));
     },
+    // The file that is shown, what the page does, and its texts.
     state() {
-      const { file, fitted } = app.state();
-      return { failure: element_of("failure").textContent, verdict: element_of("verdict").textContent,
-        working: !element_of("working").hidden, memory: fitted?.memory ?? 0, name: fitted && file.name };
+      const { file, fitted, edited, busy } = app.state(), is_shown = (id) => !element_of(id).hidden, text = (id) => element_of(id).textContent;
+      return { name: fitted && file.name, bytes: fitted?.bytes ?? null, memory: fitted?.memory ?? 0, is_edited: edited !== null, is_busy: busy > 0,
+        is_editable: is_shown("editing"), is_fitting: is_shown("working"), is_saving: is_shown("writing"), heading: text("name"),
+        ...Object.fromEntries(["about", "edit_status", "failure", "saved", "verdict"].map((id) => [id, text(id)])) };
     },
+    // The names of the materials whose pictures are shown.
+    materials: () => [...document.querySelectorAll("figure:not([hidden])")].map((figure) => figure.dataset.material),
     // The length of the longest task since the last call [ms].
     longest_task: () => Math.max(0, ...tasks.splice(0)),
     // The bytes of the file that the page would save.

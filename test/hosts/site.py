@@ -25,8 +25,8 @@ from support.chromium import WEBGL, Chromium, program
 srbf = arguments()[0]
 LONGEST_TASK, CANCELLED_WITHIN, MOST_MEMORY = 100, 1, 300 * 2**20  # milliseconds; seconds; bytes of the module
 PATIENCE = 400  # seconds until a fit counts as failed
-EXPORTS = [("glsl", ".glsl"), ("hlsl", ".hlsl"), ("unity", ".shader"), ("wgsl", ".wgsl"), ("msl", ".metal"), ("c", ".h"),
-           ("three", ".js"), ("table", ".binary"), ("table", ".bsdf"), ("table", ".mbsdf")]
+EXPORTS = [("glsl", ".glsl"), ("hlsl", ".hlsl"), ("unity", ".shader"), ("wgsl", ".wgsl"), ("msl", ".metal"),
+           ("c", ".h"), ("three", ".js"), ("table", ".binary"), ("table", ".bsdf"), ("table", ".mbsdf")]
 NUMBER = re.compile(r"-?\d+\.?\d*(?:e[-+]?\d+)?")
 SLIDERS = ["roughen", "highlight", "highlight_warmth", "body", "body_warmth", "hue", "saturate"]
 LAST_BALL = "#gallery ul:last-of-type li:last-child a"
@@ -83,13 +83,14 @@ def hash_of(path):
 def compare_file(page, file, folder):
     """Opens, fits and saves a file on the page and by the program. What they save must be equal."""
     page.drop(file)
-    page.wait(file.name, lambda state: state["failure"] or state["working"])
+    page.wait(file.name, lambda state: state["failure"] or state["is_fitting"])
     # The verdict on a first draft or, for both sides, on the last fit.
     _, seen = page.wait(file.name, lambda state: state["failure"] or state["verdict"])
     state, seconds = page.wait(file.name, lambda state: state["failure"] or state["name"] == file.name)
     longest = page.call("longest_task")
     print(f"  {file.name}: the first fit is shown after {seen:.1f} s and the last after {seen + seconds:.1f} s, "
-          f"{state['memory'] / 2**20:.0f} MB, at most {longest} ms without an answer: {state['failure'] or state['verdict']}")
+          f"{state['memory'] / 2**20:.0f} MB, at most {longest} ms without an answer: "
+          f"{state['failure'] or state['verdict']}")
     check(longest <= LONGEST_TASK, f"{file.name}: the page does not answer for {longest} ms")
     check(not state["failure"], f"{file.name} is refused: {state['failure']}")
     check(state["memory"] <= MOST_MEMORY, f"{file.name} takes {state['memory']} bytes")
@@ -104,7 +105,7 @@ def compare_file(page, file, folder):
     for export, ending in EXPORTS:
         name = file.stem + ending
         ours, path = page.call("saved_hash", export, name), folder / name
-        result = run("convert", model, "-o", path) if export == "table" else run("export", model, "--to", export, "-o", path)
+        result = run(*(("convert", model) if export == "table" else ("export", model, "--to", export)), "-o", path)
         if result.returncode != 0:
             check(ours.startswith("error "), f"{name}: the program refuses it: {result.stderr.strip()}")
         elif ending in (".binary", ".bsdf", ".mbsdf", ".js", ".shader") and ours != hash_of(path):
@@ -115,8 +116,7 @@ def compare_file(page, file, folder):
 
 
 def check_blender_script(page, subject, folder):
-    """Checks that the script for Blender is what the program writes for this subject. Fitted numbers are of the order of
-    1, and may differ a little."""
+    """Checks that the script for Blender is the program's. Fitted numbers, of the order of 1, may differ a little."""
     begun = time.time()
     ours = page.chromium.run("app.save_as('blender', '').then((content) => content.text())")
     seconds, path = time.time() - begun, folder / "program.py"
@@ -124,52 +124,51 @@ def check_blender_script(page, subject, folder):
     check(result.returncode == 0, result.stderr)
     texts = [ours, path.read_text(encoding="utf-8")]
     numbers = [[float(number) for number in NUMBER.findall(text)] for text in texts]
-    agrees = all(math.isclose(a, b, abs_tol=0.01) for a, b in zip(*numbers))
-    check(agrees and NUMBER.sub("#", texts[0]) == NUMBER.sub("#", texts[1]), f"the script for Blender is not that of {subject.name}")
+    has_numbers = all(math.isclose(a, b, abs_tol=0.01) for a, b in zip(*numbers))
+    has_text = NUMBER.sub("#", texts[0]) == NUMBER.sub("#", texts[1])
+    check(has_text and has_numbers, f"the script for Blender is not that of {subject.name}")
     print(f"  {subject.name}: the script for Blender is written after {seconds:.1f} s, "
           f"{'' if texts[0] == texts[1] else 'nearly '}with the bytes of the program's")
 
 
 def check_one_screen(page, material, others=""):
-    """Checks that sliders, buttons that save, and these other elements fit on the screen with the picture of this material."""
+    """Checks that sliders, buttons that save and these other elements fit on the screen with the material's picture."""
     top, bottom = page.call("extent", material, others)
     check(bottom - top <= 800, f"sliders, buttons and picture take {bottom - top:.0f} pixels")
 
 
 def check_gallery(page, folder):
     """Checks that a link of the gallery shows its model, which is saved as it is and can be edited."""
-    chromium, links = page.chromium, page.chromium.run("[...document.querySelectorAll('#gallery li a')].map((link) => link.hash.slice(1))")
-    models = sorted((path.stem for path in (ROOT / "data/gallery").glob("*.srbf")), key=lambda stem: ("_stand_in" in stem, stem))
-    check(links == models, f"the gallery has {links}")
-    name = models[-1] + ".srbf"
-    chromium.click(LAST_BALL)
-    begun = time.time()
-    page.wait(name, lambda state: state["name"] == name)
+    chromium = page.chromium
+    links = chromium.run("[...document.querySelectorAll('#gallery li a')].map((link) => link.hash.slice(1))")
+    models = (path.stem for path in (ROOT / "data/gallery").glob("*.srbf"))
+    check(links == sorted(models, key=lambda stem: ("_stand_in" in stem, stem)), f"the gallery has {links}")
+    name, begun = links[-1] + ".srbf", time.time()
+    click_ball(page, LAST_BALL)
     chromium.run("viewer.settled()")
     print(f"  {name}: the picture of the model is shown after {time.time() - begun:.1f} s")
     check(page.model() == (ROOT / "data/gallery" / name).read_bytes(), f"{name} is not saved as it was opened")
-    shown = chromium.run("[...document.querySelectorAll('figure:not([hidden])')].map((figure) => figure.dataset.material).join()")
-    check(shown == "1", f"{name}: pictures {shown}")
-    check(not chromium.run("document.getElementById('editing').hidden"), f"{name} cannot be edited")
-    check(chromium.run("document.getElementById('state').getBoundingClientRect().top < innerHeight / 2"),
-          f"{name} is shown below the window")
-    about = chromium.run("document.getElementById('about').textContent")
-    check("ΔE 3.1 against a table from a neural network" in about and "ask the authors" in about, f"{name} is described by {about!r}")
-    check(chromium.run("[...document.querySelectorAll('.compared')].every((e) => e.hidden)"), f"{name}: the page talks of a measurement")
+    shown = page.call("materials")
+    check(shown == ["1"], f"{name}: pictures {shown}")
+    is_in_view = "document.getElementById('state').getBoundingClientRect().top < innerHeight / 2"
+    check(chromium.run(is_in_view), f"{name} is shown below the window")
+    state = page.call("state")
+    check(state["is_editable"], f"{name} cannot be edited")
+    for words in ("ΔE 3.1 against a table from a neural network", "ask the authors"):
+        check(words in state["about"], f"{name} is described by {state['about']!r}")
+    is_alone = chromium.run("[...document.querySelectorAll('.compared')].every((e) => e.hidden)")
+    check(is_alone, f"{name}: the page talks of a measurement")
     check(chromium.run("document.querySelector('#about a')?.href") == "https://rgl.epfl.ch/materials",
           f"{name} has no link to its measurement")
     check_one_screen(page, "1", ", .controls > label > *")
     check_blender_script(page, ROOT / "data/gallery" / name, folder)
     # Another file is opened, and then this ball again.
     page.drop(ROOT / "data/paper_white_rgb.csv")
-    page.wait("another file", lambda state: state["name"] == "paper_white_rgb.csv" or state["working"])
+    page.wait("another file", lambda state: state["name"] == "paper_white_rgb.csv" or state["is_fitting"])
+    click_ball(page, LAST_BALL)
     chromium.click(LAST_BALL)
-    page.wait(f"{name} again", lambda state: state["name"] == name)
-    chromium.click(LAST_BALL)
-    check(chromium.run("document.getElementById('state').getBoundingClientRect().top < innerHeight / 2"),
-          "a second click on a ball shows nothing")
-    chromium.click("#gallery li:first-child a")
-    page.wait("the film's ball", lambda state: state["name"] == models[0] + ".srbf")
+    check(chromium.run(is_in_view), "a second click on a ball shows nothing")
+    click_ball(page, "#gallery li:first-child a")
     # From the measurement and not from its model, since the page has the measurement.
     check_blender_script(page, ROOT / "data/cc_ibiza_sunset_rgb.bsdf", folder)
 
@@ -186,12 +185,12 @@ def mean_difference(a, b):
 
 
 def check_layout(page):
-    """Checks that edits and resets move nothing, and that a picture without black noise is there from the first moment."""
+    """Checks that edits and resets move nothing, and that there is a picture without black noise at every moment."""
     chromium = page.chromium
     for width in (1440, 768, 360):
         chromium.size(width, 900)
         page.open(ROOT / "build/site/index.html", "#satin_blue_stand_in")
-        page.wait("a ball", lambda state: chromium.run("!document.getElementById('editing').hidden"))
+        page.wait("a ball", lambda state: state["is_editable"])
         page.wait("a picture", lambda state: chromium.run("viewer.settled().then(() => viewer.scene(1).samples >= 16)"))
         calm, before = page.call("pixels", "1")[0], page.call("edited_state")["boxes"]
         name = chromium.run("document.querySelector('figure:not([hidden]) figcaption').textContent")
@@ -199,28 +198,26 @@ def check_layout(page):
         for hue in (60, 0, 60):
             page.call("set_control", "hue", hue)
             chromium.settle()
-            material = chromium.run("document.querySelector('figure:not([hidden])').dataset.material")
-            now, is_drawn = page.call("pixels", material)
-            check(is_drawn and mean_difference(now, calm) < 0.1, f"{width} pixels wide, hue {hue}: no picture, or noise")
-            is_edited = f"(app.state().edited !== null) === {json.dumps(hue != 0)}"
-            page.wait("an edit", lambda state: chromium.run(f"app.state().busy === 0 && {is_edited}"))
-            check(page.call("edited_state")["boxes"] == before, f"{width} pixels wide, hue {hue}: sliders, buttons or pictures move")
+            now, is_drawn = page.call("pixels", page.call("materials")[0])
+            is_calm = mean_difference(now, calm) < 0.1
+            check(is_drawn and is_calm, f"{width} pixels wide, hue {hue}: no picture, or noise")
+            page.wait("an edit", lambda state: not state["is_busy"] and state["is_edited"] == (hue != 0))
+            boxes = page.call("edited_state")["boxes"]
+            check(boxes == before, f"{width} pixels wide, hue {hue}: sliders, buttons or pictures move")
 
 
 def check_damaged_files(page, folder):
-    """Checks that wrong files are refused in one line, as the program says it or with the kind of the file. What was shown stays."""
+    """Checks that wrong files are refused in one line, by the program's words or by their kind, and change nothing."""
     film = (ROOT / "data/cc_ibiza_sunset_rgb.bsdf").read_bytes()
     contents = {"empty.bsdf": b"", "text.bsdf": b"Hello, world\n", "cut.bsdf": film[:100000],
                 "head.bsdf": film[:12] + b"\xff" * 40 + film[52:], "wrong.csv": b"wl_x,wl_y\n1,2\n",
                 "wrong.xml": b"<?xml version='1.0'?><WindowElement><Optical></WindowElement>",
                 "huge.binary": (2**30).to_bytes(4, "little") * 3 + b"\0" * 100, "picture.png": b"\x89PNG\r\n\x1a\n",
-                "report.json": b'{"lobes": 9}',
-                "cut.hdr": b"#?RADIANCE\n\n-Y 4 +X 8\n"}
+                "report.json": b'{"lobes": 9}', "cut.hdr": b"#?RADIANCE\n\n-Y 4 +X 8\n"}
     kinds = {"empty.bsdf": "an empty file", "picture.png": "a PNG picture", "report.json": "a JSON file"}
-    chromium = page.chromium
     click_ball(page, LAST_BALL)
     page.call("set_control", "hue", 90)
-    page.wait("the edit", lambda state: chromium.run("app.state().edited !== null && app.state().busy === 0"))
+    page.wait("the edit", lambda state: state["is_edited"] and not state["is_busy"])
     before = page.call("edited_state")
     for name, content in contents.items():
         file = folder / name
@@ -229,20 +226,22 @@ def check_damaged_files(page, folder):
         state, _ = page.wait(name, lambda state: state["failure"].startswith(name))
         message = run("info", file).stderr.strip().removeprefix("srbf: ").replace(str(file), name)
         if "unknown format" in message:
-            message = f"{name}: this is {kinds.get(name, 'a file of another kind')}; drop a measurement, a model or an .hdr"
+            kind = kinds.get(name, "a file of another kind")
+            message = f"{name}: this is {kind}; drop a measurement, a model or an .hdr"
         message = re.sub(", or one of them as .* in --columns", "", message)  # the page has no options
-        check(name == "cut.hdr" or state["failure"] == message, f"{name}: the page says {state['failure']!r}, not {message!r}")
+        failure = state["failure"]
+        check(failure == message or name == "cut.hdr", f"{name}: the page says {failure!r}, not {message!r}")
         check(page.call("edited_state") == before, f"{name}: it takes away what was there")
-        check("\n" not in state["failure"] and len(state["failure"]) < 500, f"{name}: not one line")
-    print(f"  {len(contents)} damaged files are refused in one line each, such as: {state['failure']}")
+        check("\n" not in failure and len(failure) < 500, f"{name}: not one line")
+    print(f"  {len(contents)} damaged files are refused in one line each, such as: {failure}")
 
 
 def check_cancelled_fit(page):
     page.drop(ROOT / "data/paper_white_rgb.bsdf")
-    page.wait("working", lambda state: state["working"])
+    page.wait("working", lambda state: state["is_fitting"])
     time.sleep(2)
     page.chromium.click("#cancel")
-    _, seconds = page.wait("cancelled", lambda state: state["verdict"].startswith("Cancelled") and not state["working"])
+    _, seconds = page.wait("cancelled", lambda state: "Cancelled" in state["verdict"] and not state["is_fitting"])
     check(seconds <= CANCELLED_WITHIN, f"cancelled after {seconds:.2f} s")
     print(f"  the fit is cancelled within {seconds:.2f} s")
 
@@ -252,21 +251,20 @@ def check_cancelled_save(page):
     chromium = page.chromium
     click_ball(page, LAST_BALL)
     page.call("set_control", "hue", 90)
-    page.wait("the edit", lambda state: chromium.run("app.state().edited !== null"))
-
-    def heading():
-        return chromium.run("document.getElementById('name').textContent")
-    check(heading().startswith("Edited: made from "), f"the edited ball has the name {heading()!r}")
+    state, _ = page.wait("the edit", lambda state: state["is_edited"])
+    check(state["heading"].startswith("Edited: made from "), f"the edited ball has the name {state['heading']!r}")
     before = page.model()
     chromium.click("[data-save=blender]")
-    page.wait("a save", lambda state: not chromium.run("document.getElementById('writing').hidden"))
+    page.wait("a save", lambda state: state["is_saving"])
     chromium.click("#stop")
-    page.wait("no save", lambda state: not chromium.run("document.querySelector('[data-save=blender]').disabled"))
-    check(chromium.run("document.getElementById('saved').textContent") == "Nothing was saved.", "a save is not cancelled")
+    is_enabled = "!document.querySelector('[data-save=blender]').disabled"
+    page.wait("no save", lambda state: chromium.run(is_enabled))
+    check(page.call("state")["saved"] == "Nothing was saved.", "a save is not cancelled")
     check(page.model() == before, "the edited model is not kept when a save is cancelled")
     chromium.run("document.querySelector('#editing [type=reset]').click()")
-    page.wait("the ball as it was", lambda state: chromium.run("app.state().edited === null && app.state().busy === 0"))
-    check(not heading().startswith("Edited"), f"the ball has the name {heading()!r} after a reset")
+    page.wait("the ball as it was", lambda state: not state["is_edited"] and not state["is_busy"])
+    heading = page.call("state")["heading"]
+    check(not heading.startswith("Edited"), f"the ball has the name {heading!r} after a reset")
     print("  a save is cancelled, and the edited model remains")
 
 
@@ -277,49 +275,42 @@ def check_replaced_file(page):
     page.drop(ROOT / "data/paper_white_rgb.bsdf")
     page.wait("the second", lambda state: state["name"] == "paper_white_rgb.bsdf")
     page.call("set_control", "lobes", 4)
-    page.wait("fewer lobes", lambda state: page.chromium.run("app.state().fitted.bytes") == 100 and not state["working"])
-    check(page.chromium.run("app.state().file.name") == "paper_white_rgb.bsdf", "the second file does not replace the first")
+    state, _ = page.wait("fewer lobes", lambda state: state["bytes"] == 100 and not state["is_fitting"])
+    check(state["name"] == "paper_white_rgb.bsdf", "the second file does not replace the first")
 
 
 def check_edits(page, folder):
     """Drops a measurement, edits its model and saves it as a three.js material, by mouse alone."""
     film, chromium = ROOT / "data/cc_ibiza_sunset_rgb.bsdf", page.chromium
     page.drop(film)
-    page.wait("the film", lambda state: state["name"] == film.name and not state["working"])
+    page.wait("the film", lambda state: state["name"] == film.name and not state["is_fitting"])
     fitted = page.model()
-
-    def status():
-        return chromium.run("document.getElementById('edit_status').textContent")
     chromium.ask("Page.setDownloadBehavior", behavior="allow", downloadPath=str(folder))
     for slider in SLIDERS:
         chromium.drag(f"#edit_{slider}", 25, 0)
-    begun = time.time()
-    while not all(word in status() for word in ("Edited: roughness of the highlight ×", "% warmer", "hue", "saturation")):
-        check(time.time() - begun < PATIENCE, f"no edited model: {status()!r}")
-        if time.time() - begun >= PATIENCE:
-            return
-        time.sleep(0.2)
+    edits = ("Edited: roughness of the highlight ×", "% warmer", "hue", "saturation")
+    state, seconds = page.wait("edits", lambda state: all(edit in state["edit_status"] for edit in edits))
     check_one_screen(page, "2")
-    print(f"  {status()} It was there {time.time() - begun:.1f} s after the last drag.")
+    print(f"  {state['edit_status']} It was there {seconds:.1f} s after the last drag.")
     chromium.click("[data-save=three]")
     saved = folder / (film.stem + "_edited.js")
-    while not saved.exists() and time.time() - begun < PATIENCE:
-        time.sleep(0.2)
-    check(saved.exists() and "roughen" in saved.read_text() and "BlendMaterial" in saved.read_text(), "no three.js material was saved")
+    page.wait(saved.name, lambda state: saved.exists())
+    is_material = all(word in saved.read_text() for word in ("roughen", "BlendMaterial"))
+    check(is_material, f"{saved.name} is no three.js material")
     model = folder / "edited.srbf"
     model.write_bytes(page.model())
     info = run("info", model).stdout
     check("roughen" in info and "tint highlight" in info, f"the saved model does not say its edits: {info}")
     for slider in SLIDERS:
         chromium.click(f"[data-reset={slider}]")
-    while status() and time.time() - begun < PATIENCE:
-        time.sleep(0.2)
+    page.wait("resets", lambda state: not state["edit_status"])
     check(page.model() == fitted, "the model is not the fitted one after resets")
 
 
 def close_page(page):
     check(not page.chromium.problems, f"the browser's console: {page.chromium.problems}")
-    check(all(url.startswith(("file:", "blob:", "data:")) for url in page.chromium.requests), "something is asked of the network")
+    is_local = all(url.startswith(("file:", "blob:", "data:")) for url in page.chromium.requests)
+    check(is_local, "something is asked of the network")
     page.chromium.close()
 
 

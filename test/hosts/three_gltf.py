@@ -29,7 +29,7 @@ if found is None or chromium() is None or importlib.util.find_spec("OpenEXR") is
     skip("no three.js of nicegui, no Chromium or no OpenEXR")
 
 _, data, further = arguments()
-# three.js uses other formulas, which docs/surface.md names, and a blurred map of the environment. These are the page's figures and 15 % more.
+# three.js uses other formulas, and a blurred map of the environment. These are the figures of docs/surface.md, and 15 % more.
 RATIOS = {"lights": (1.8, 1.4, 3.7, 2.0, 1.4), "environment": (2.6, 5.1, 18.5, 15, 3.7)}
 LARGEST_RATIOS = {kind: dict(zip(MATERIALS, ratios)) for kind, ratios in RATIOS.items()}
 THREE = ("--env", "none", "--lights", "three")

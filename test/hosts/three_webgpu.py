@@ -105,7 +105,8 @@ with tempfile.TemporaryDirectory() as name:
                     if light in ENVIRONMENTS and light != "studio":
                         continue
                     standard, ours = (milliseconds(browser, name, light) for name in ("standard", "ours"))
-                    print(f"     {material}, {renderer}, {light}: {ours:.0f} ms, {ours / standard:.1f} times as long as MeshStandardMaterial", flush=True)
+                    print(f"     {material}, {renderer}, {light}: {ours:.0f} ms, {ours / standard:.1f} times as long as "
+                          "MeshStandardMaterial", flush=True)
                 for other, most in OTHERS.items() if kind == "three-webgpu" else []:
                     difference = delta_e(picture(browser, f"drawn('ours', '{other}')", SIZE)[inside], pictures[renderer, "studio"][inside])
                     expect(difference < most, f"{material}, {renderer}, studio: by a {other} {difference:.2f}")

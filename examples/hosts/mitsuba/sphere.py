@@ -19,7 +19,8 @@ scene = mi.load_dict({
     "ball": {"type": "sphere", "bsdf": {"type": "srbf", "filename": sys.argv[1]}},
     "sensor": {
         "type": "perspective", "fov": 26, "to_world": mi.ScalarTransform4f().look_at(origin=[0, 0, 5], target=[0, 0, 0], up=[0, 1, 0]),
-        "film": {"type": "hdrfilm", "width": 256, "height": 256, "pixel_format": "rgb", "component_format": "float32", "rfilter": {"type": "box"}},
+        "film": {"type": "hdrfilm", "width": 256, "height": 256, "pixel_format": "rgb", "component_format": "float32",
+                 "rfilter": {"type": "box"}},
         "sampler": {"type": "stratified", "sample_count": 16},
     },
 })

@@ -76,10 +76,6 @@ std::size_t search_pairs(const Observations& observations, const PmFitOptions& o
     return std::clamp(std::bit_ceil(10 * parameter_count(options)), k_search_pairs / 2, k_search_pairs);
 }
 
-std::span<const Perturbations> perturbations(bool with_pictures) {
-    if (with_pictures) return k_by_pictures;
-    return k_by_pairs;
-}
 std::size_t count_of(double fraction, const PmFitOptions& options) {
     return std::size_t(std::max(std::lround(fraction * starts_of(options)), 1L));
 }
@@ -99,7 +95,8 @@ struct WorkUnits {
 WorkUnits planned_work(const Observations& observations, const PmFitOptions& options) {
     constexpr double k_polish = 0.2;
     int count = 0, previous = 0;
-    for (const Perturbations& stage : perturbations(!observations.views.empty())) {
+    using Stages = std::span<const Perturbations>;
+    for (const Perturbations& stage : observations.views.empty() ? Stages(k_by_pairs) : Stages(k_by_pictures)) {
         const int next = until(stage, options);
         count += int(count_of(stage, options)) * (next - previous);
         previous = next;
@@ -126,8 +123,9 @@ class StagedSearch {
         perturb_all(k_by_pairs);
         add_exceeded_pairs();
         keep(k_polished);
-        for_candidates(subsets_.rows(RowSet::polish, {}),
-                       [&](LobeProblem& problem, Candidate& candidate) { polish(problem, options_, k_polish_steps, candidate); });
+        for_candidates(subsets_.rows(RowSet::polish, {}), [&](LobeProblem& problem, Candidate& candidate) {
+            polish(problem, options_, k_polish_steps, candidate);
+        });
         reporter_.advance("polishing", work_.polish);
         sort_by_all_pairs();
         return finish_best(k_finished, {.integral_importance = subsets_.integral_importance()});

@@ -80,7 +80,7 @@ inline void require_unit(const Array& directions, const char* argument) {
                           std::to_string(w[i].x) + ", " + std::to_string(w[i].y) + ", " + std::to_string(w[i].z) + ")");
 }
 
-/// Calls body(first, count) for parts of n rows, of which several run on all threads. Ctrl-C cancels many rows.
+/// Calls body(first, count) for parts of n rows, on all threads if there are several. Ctrl-C cancels a million rows.
 template <typename Body> void for_parts(std::size_t n, const Body& body) {
     constexpr std::size_t part = 1 << 14, many = 1 << 20;
     const auto run = [&](const ProgressToken& token) {

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Checks the plugin of examples/mitsuba in the variant scalar_rgb.
 
 The plugin is built with the installed library of PROGRAM's build, for the Mitsuba of this Python. Checks:

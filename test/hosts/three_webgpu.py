@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Checks the two materials for three.js in Chromium: that for WebGLRenderer (release 187) and that for WebGPURenderer (release 185).
 
 Both draw spheres of the film and the paper. Checks:

@@ -48,7 +48,7 @@ class Page:
 
     def open(self, path, fragment=""):
         self.chromium.open(path, fragment)
-        self.chromium.run(Path(__file__).with_suffix(".js").read_text(encoding="utf-8"))
+        self.chromium.run(Path(__file__).with_suffix(".js").read_text(encoding="utf-8") + "; true")
 
     def call(self, function, *arguments):
         """Returns the result of a function of site.js."""

@@ -12,9 +12,8 @@
 
 namespace srbf {
 
-/// Exit statuses of the program. k_usage: the command line is invalid regardless of the files' content.
-/// k_input_error: a file, a folder or the machine caused the error. With several inputs, the others are still
-/// processed.
+/// Exit statuses of the program. k_usage: the command line is invalid regardless of the files' content. k_input_error:
+/// a file, a folder or the machine caused the error; the other inputs are still processed.
 enum Status { k_done = 0, k_input_error = 1, k_usage = 2 };
 
 /// The program, from its command line to its exit status.

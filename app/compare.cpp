@@ -111,7 +111,8 @@ int CompareCommand::run() const {
 
 void add_compare(CommandLine& app, int& status) {
     const auto command = std::make_shared<CompareCommand>();
-    const Subcommand sub = app.add_subcommand("compare", "Errors between any two BRDFs, measured or fitted");
+    const Subcommand sub =
+        app.add_subcommand("compare", "Report the errors of one BRDF against another, measured or fitted");
     sub.add_option("REFERENCE", command->reference, "The reference BRDF").type_name("").required();
     sub.add_option("OTHER", command->other, "The BRDF whose errors are measured").type_name("").required();
     sub.add_option("--max-theta", command->max_theta,
@@ -123,7 +124,7 @@ void add_compare(CommandLine& app, int& status) {
     add_read_options(sub, command->read);
     sub.add_option("--json", command->json, "Write the measures to this file; - is standard output").type_name("FILE");
     sub.footer(
-        "--columns, --quantity and --floor are those of REFERENCE.\n\n"
+        "--columns, --quantity and --floor describe REFERENCE.\n\n"
         "Example:\n  srbf compare paper_white_rgb.bsdf paper_white_rgb.srbf");
     sub.callback([command, &status] { status = command->run(); });
 }

@@ -27,11 +27,13 @@ std::string quoted(const std::string& text) {
     return out + "'";
 }
 
-/// Names of the options before the subcommand; `with_text`: only of those that take a text.
-std::vector<std::string> names_before(const Help& help, bool with_text) {
+/// Names of the options before the subcommand.
+enum class OptionKinds { all, with_text };
+std::vector<std::string> names_before(const Help& help, OptionKinds kinds) {
     std::vector<std::string> names;
     for (const OptionHelp& option : help.options)
-        if (!with_text || !option.flag) names.insert(names.end(), option.names.begin(), option.names.end());
+        if (kinds == OptionKinds::all || !option.flag)
+            names.insert(names.end(), option.names.begin(), option.names.end());
     return names;
 }
 
@@ -61,8 +63,9 @@ std::string bash(const Help& help) {
         "    mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$word\")\n"
         "}}\n"
         "complete -o default -F _{0} {0}\n",
-        help.name, choices, options, fmt::join(names(help), " "), fmt::join(names_before(help, true), "|"),
-        fmt::join(names_before(help, false), " "));
+        help.name, choices, options, fmt::join(names(help), " "),
+        fmt::join(names_before(help, OptionKinds::with_text), "|"),
+        fmt::join(names_before(help, OptionKinds::all), " "));
 }
 
 std::string zsh(const Help& help) {
@@ -101,7 +104,7 @@ std::string zsh(const Help& help) {
         "    case $words[2] in -*) _describe option before ;; *) _describe subcommand subcommands ;; esac\n"
         "    return\nfi\n"
         "shift words\n((CURRENT--))\ncase $words[1] in\n{2}esac\n",
-        help.name, subcommands, cases, before, fmt::join(names_before(help, true), "|"));
+        help.name, subcommands, cases, before, fmt::join(names_before(help, OptionKinds::with_text), "|"));
 }
 
 /// The line that completes an option in fish under the condition `when`.

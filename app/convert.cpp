@@ -25,11 +25,11 @@ struct ConvertCommand {
 };
 
 std::string description_of(const LoadedFile& subject) {
-    const auto* measured = std::get_if<Measured>(&subject.content);
-    if (measured && std::holds_alternative<ScatteredSamples>(measured->table))
-        return std::get<ScatteredSamples>(measured->table).description;
-    if (measured && std::holds_alternative<BsdfTable>(measured->table))
-        if (const auto& name = std::get<BsdfTable>(measured->table).description; !name.empty()) return name;
+    if (const auto* measured = std::get_if<Measured>(&subject.content)) {
+        if (const auto* samples = std::get_if<ScatteredSamples>(&measured->table)) return samples->description;
+        const auto* bsdf = std::get_if<BsdfTable>(&measured->table);
+        if (bsdf && !bsdf->description.empty()) return bsdf->description;
+    }
     return system_files::stem(subject.path);
 }
 
@@ -87,13 +87,13 @@ int ConvertCommand::run() const {
 
 /// ".bsdf (RGL), .mbsdf (MDL), ..".
 std::string written_formats() {
-    std::string all;
+    std::string text;
     for (const Format& format : formats()) {
         if (!format.write) continue;
-        all += fmt::format("{}{}", all.empty() ? "" : ", ", format.extension);
-        if (!format.used_by.empty()) all += fmt::format(" ({})", format.used_by);
+        text += fmt::format("{}{}", text.empty() ? "" : ", ", format.extension);
+        if (!format.used_by.empty()) text += fmt::format(" ({})", format.used_by);
     }
-    return all;
+    return text;
 }
 
 using Command = std::shared_ptr<ConvertCommand>;
@@ -129,27 +129,29 @@ void add_convert(CommandLine& app, int& status) {
                        ? ""
                        : fmt::format("expected a name that ends in {}, found {}", extensions_of_formats(), name);
         });
-    const Option directions = sub.add_option("--directions", command->directions,
-                                             "CSV of tables and models: all pairs of this many directions, 1 to 1536")
-                                  .type_name("N")
-                                  .check(within(1, 1536))
-                                  .capture_default_str();
-    const Option max_theta = sub.add_option("--max-theta", command->max_theta,
-                                            "CSV of tables and models: largest angle from the normal, 1 to 90 degrees")
-                                 .type_name("DEG")
-                                 .check(within(1.0, 90.0))
-                                 .capture_default_str();
+    const Option directions =
+        sub.add_option("--directions", command->directions,
+                       "Write CSV of a table or a model at all pairs of this many directions, 1 to 1536")
+            .type_name("N")
+            .check(within(1, 1536))
+            .capture_default_str();
+    const Option max_theta =
+        sub.add_option("--max-theta", command->max_theta,
+                       "Write CSV of a table or a model up to this angle from the normal, 1 to 90 degrees")
+            .type_name("DEG")
+            .check(within(1.0, 90.0))
+            .capture_default_str();
     std::vector<AllowedWhen> allowed = add_writer_options(sub, command);
     const Option rgb_alone =
         sub.add_flag("--rgb-alone", command->rgb_alone,
-                     "RGL: colours without the spectra of the same material, as Mitsuba 3 needs them in its\n"
-                     "RGB variants; its spectral variants and pbrt-v4 need the spectra");
+                     "Write RGL without the spectra of the same material, as the RGB variants of Mitsuba 3 need it;\n"
+                     "its spectral variants and pbrt-v4 need the spectra");
     sub.add_flag("--exchange", command->exchange, "Exchange light and viewer");
     sub.add_flag("--smooth", command->smooth, "Write a noisy isotropic table without its noise, as a fit uses it");
     add_read_options(sub, command->read);
-    const Option threads =
-        add_threads(sub, command->threads,
-                    "All but CSV: number of threads; 0: all of the machine. The output does not depend on it");
+    const Option threads = add_threads(
+        sub, command->threads,
+        "Number of threads for all formats but CSV; 0: all of the machine. The output does not depend on it");
     sub.footer(
         "A file that already has the format is copied byte for byte if nothing was assumed about it, unless\n"
         "--exchange, --smooth, --rgb-alone or an option of the format is given.\n\n"

@@ -32,16 +32,16 @@ struct EditCommand {
 
 /// The edits on the command line, in the order of the help.
 std::vector<Edit> EditCommand::edits() const {
-    std::vector<Edit> all;
-    if (roughens.given()) all.emplace_back(roughen);
+    std::vector<Edit> chosen;
+    if (roughens.given()) chosen.emplace_back(roughen);
     if (std::ranges::any_of(colour_options, &Option::given))
-        all.emplace_back(Tint{scaled(float(scale_highlight), tint.highlight), scaled(float(scale_body), tint.body)});
-    if (saturates.given()) all.emplace_back(saturate);
-    if (hues.given()) all.emplace_back(hue);
-    if (rotates.given()) all.emplace_back(rotate);
-    if (coats.given()) all.emplace_back(coat);
-    if (reduces.given()) all.emplace_back(reduce);
-    return all;
+        chosen.emplace_back(Tint{scaled(float(scale_highlight), tint.highlight), scaled(float(scale_body), tint.body)});
+    if (saturates.given()) chosen.emplace_back(saturate);
+    if (hues.given()) chosen.emplace_back(hue);
+    if (rotates.given()) chosen.emplace_back(rotate);
+    if (coats.given()) chosen.emplace_back(coat);
+    if (reduces.given()) chosen.emplace_back(reduce);
+    return chosen;
 }
 
 /// The model in a file.
@@ -76,8 +76,8 @@ int EditCommand::run() {
                     fmt::format(" {}{}", j + 1, fractions[j] < 1 ? fmt::format(" ({:.0f} %)", 100 * fractions[j]) : "");
         fmt::print("body: {} of {}; the other lobes are the highlight\n",
                    body_lobes.empty() ? "none" : "lobe" + body_lobes, fractions.size());
-        if (const auto at = result->provenance.find("limited"); at != result->provenance.end())
-            fmt::print("limited: {}\n", at->second);
+        if (const auto entry = result->provenance.find("limited"); entry != result->provenance.end())
+            fmt::print("limited: {}\n", entry->second);
     }
     return write(std::move(result), input, output);
 }
@@ -121,7 +121,7 @@ Option add_number(const Subcommand& sub, const std::string& name, double& value,
 void add_edit(CommandLine& app, int& status) {
     const auto command = std::make_shared<EditCommand>();
     EditCommand& edit = *command;
-    const Subcommand sub = app.add_subcommand("edit", "Edit a model: roughness, colours, a coat");
+    const Subcommand sub = app.add_subcommand("edit", "Change the roughness or the colours of a model, or add a coat");
     sub.add_option("MODEL", edit.input, "A multivariate model").type_name("").required();
     sub.add_option("-o,--output", edit.output, "The model file to write").type_name("FILE").required();
     edit.roughens = add_number(sub, "--roughen", edit.roughen.factor, 0.1, 10,
@@ -148,9 +148,8 @@ void add_edit(CommandLine& app, int& status) {
     const Option threads = add_threads(sub, edit.options.threads,
                                        "Number of threads; 0: all of the machine. The output does not depend on it");
     sub.footer(
-        "Edits are applied in this order. The body is the lobes that reflect as far from the mirror direction as "
-        "Lambert\n"
-        "does, the highlight all others. A coat has three lobes more.\n\n"
+        "Edits are applied in the order of this list. The body consists of the lobes that reflect as far from the\n"
+        "mirror direction as Lambert does, and the highlight of all others. A coat adds three lobes.\n\n"
         "Example:\n  srbf edit film.srbf --roughen 1.5 --tint-highlight 1,0.8,0.6 -o warmer.srbf");
     const auto refits = [&edit] { return edit.roughens.given() || edit.coats.given() || edit.reduces.given(); };
     sub.callback(
@@ -176,9 +175,9 @@ void add_blend(CommandLine& app, int& status) {
     const auto command = std::make_shared<BlendCommand>();
     const Subcommand sub = app.add_subcommand("blend", "Mix two models");
     sub.add_option("A", command->a, "A multivariate model").type_name("").required();
-    sub.add_option("B", command->b, "Another one").type_name("").required();
+    sub.add_option("B", command->b, "Another multivariate model").type_name("").required();
     sub.add_option("-o,--output", command->output, "The model file to write").type_name("FILE").required();
-    sub.add_option("--mix", command->mix, "Share of B, 0 to 1")
+    sub.add_option("--mix", command->mix, "Fraction of B in the mixture, 0 to 1")
         .type_name("M")
         .check(within(0.0, 1.0))
         .capture_default_str();

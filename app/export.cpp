@@ -20,7 +20,7 @@ namespace {
 
 /// A kind of source text for models, and for a map if `map` is set.
 struct TextKind {
-    std::string name, about;
+    std::string name, about = {};
     bool by_part = false;  ///< each part of a BSDF becomes a material of its own
     std::function<Result<std::string>(const ExportCommand&, const std::vector<NamedModel>&, const std::string& prefix)>
         models;
@@ -181,12 +181,11 @@ std::vector<TextKind> text_kinds() {
     std::vector<TextKind> kinds;
     for (const CodeLanguageRow& row : k_code_languages) {
         const auto options = [language = row.language](const auto& command) { return code_options(command, language); };
-        kinds.push_back(
-            {std::string(row.name), "", false,
-             [=](const auto& command, const auto& models, auto& prefix) {
-                 return shading_code(models, prefix, options(command));
-             },
-             [=](const auto& command, const auto& map, auto& name) { return map_code(map, name, options(command)); }});
+        kinds.push_back({.name = std::string(row.name),
+                         .models = [=](const auto& command, const auto& models,
+                                       auto& prefix) { return shading_code(models, prefix, options(command)); },
+                         .map = [=](const auto& command, const auto& map,
+                                    auto& name) { return map_code(map, name, options(command)); }});
     }
     for (const CodeModule& row : code_modules()) {
         TextKind kind{std::string(row.name), std::string(row.summary), row.by_part,
@@ -199,9 +198,11 @@ std::vector<TextKind> text_kinds() {
         kinds.push_back(std::move(kind));
     }
     for (const SurfaceFile& row : surface_files())
-        kinds.push_back(
-            {std::string(row.name), std::string(row.about), false,
-             [&row](const auto& command, const auto& models, auto&) { return surface(command, row, models); }});
+        kinds.push_back({.name = std::string(row.name),
+                         .about = std::string(row.about),
+                         .models = [&row](const auto& command, const auto& models, auto&) {
+                             return surface(command, row, models);
+                         }});
     return kinds;
 }
 

@@ -44,7 +44,7 @@ Result<Done> print_report(const FitJob& fit, const Measured& measured, const Fit
 struct FolderJob {
     std::vector<std::string> inputs;
     std::string folder;    // STEM.srbf and STEM.json of each input STEM.*
-    FitJob each;           // the part that all fits share: request, reading, band
+    FitJob common;         // what all fits share: request, reading, band
     std::string settings;  // the options that the models depend on
     bool resume = false;   // keep earlier results
 };

@@ -38,9 +38,8 @@ Result<Done> print(const FitJob& fit, const Measured& measured, const BsdfOutcom
     fmt::print("  {:<20} {:>7} {:>12}   {}\n", "", "", "squared", "directional-hemispherical");
     fmt::print("  {:<20} {:>7} {:>12}   {:>9} {:>9}\n", "part", "bytes", "error ratio", "error", "relative");
     for (const PartFit& part : outcome.parts) {
-        const std::string bytes = part.answered_by ? "shared"
-                                  : part.black     ? "black"
-                                                   : grouped(payload_bytes(part.outcome.model));
+        std::string bytes = part.answered_by ? "shared" : "black";
+        if (!part.answered_by && !part.black) bytes = grouped(payload_bytes(part.outcome.model));
         fmt::print("  {:<20} {:>7} {:>12}   {}\n", name(part.part), bytes, percent(part.squared_error_ratio),
                    sums_text(part.hemispherical));
     }

@@ -118,14 +118,13 @@ void print_row(const FolderFile& file) {
 
 void print_summary(const FolderJob& folder, const std::vector<FolderFile>& materials, double seconds) {
     const auto count = [&](FitState state) { return std::ranges::count(materials, state, &FolderFile::state); };
-    const auto summary = [&](const char* title, double SummaryRow::*member, bool is_ratio) {
+    const auto summary = [&](const char* title, double SummaryRow::*member, std::string (*formatted)(double)) {
         std::vector<double> sorted;
         for (const FolderFile& material : materials)
             if (material.state != FitState::failed && !std::isnan(material.row.*member))
                 sorted.push_back(material.row.*member);
         if (sorted.empty()) return;
         std::ranges::sort(sorted);
-        const auto formatted = [&](double x) { return is_ratio ? percent(x) : fmt::format("{:.3g}", x); };
         const auto quantile = [&](double fraction) {
             return formatted(sorted[std::size_t(std::ceil(fraction * double(sorted.size()))) - 1]);
         };
@@ -133,9 +132,9 @@ void print_summary(const FolderJob& folder, const std::vector<FolderFile>& mater
         fmt::print("  {:<14}mean {}, median {}, 95 % {}\n", title, formatted(mean), quantile(0.5), quantile(0.95));
     };
     fmt::print("\n");
-    summary("image error", &SummaryRow::image_error, true);
-    summary("raw error", &SummaryRow::raw_error, true);
-    summary("Delta E", &SummaryRow::delta_e, false);
+    summary("image error", &SummaryRow::image_error, percent);
+    summary("raw error", &SummaryRow::raw_error, percent);
+    summary("Delta E", &SummaryRow::delta_e, [](double error) { return fmt::format("{:.3g}", error); });
     fmt::print("  {} fitted in {:.1f} s, {:.3g} a second; {} kept; {} failed\n", count(FitState::fitted), seconds,
                double(count(FitState::fitted)) / seconds, count(FitState::kept), count(FitState::failed));
     fmt::print("  models        {}\n", printable(folder.folder));
@@ -151,7 +150,7 @@ int fit_files(const FolderJob& folder) {
     for (const std::string& input : folder.inputs) {
         FolderFile material;
         material.name = system_files::stem(input);
-        material.fit = folder.each;
+        material.fit = folder.common;
         material.fit.input = input;
         material.fit.files = {input};
         material.fit.output = in_folder(folder.folder, material.name + ".srbf");
@@ -166,8 +165,8 @@ int fit_files(const FolderJob& folder) {
         materials.push_back(std::move(material));
     }
     // While there are enough fits, each runs on one thread.
-    const int cores = folder.each.request.threads > 0 ? folder.each.request.threads
-                                                      : int(std::max(std::thread::hardware_concurrency(), 1u));
+    const int cores = folder.common.request.threads > 0 ? folder.common.request.threads
+                                                        : int(std::max(std::thread::hardware_concurrency(), 1u));
     const int jobs = jobs_within_memory(std::min(std::size_t(cores), materials.size()));
     for (FolderFile& material : materials) material.fit.request.threads = std::max(cores / jobs, 1);
 

@@ -9,8 +9,7 @@ namespace srbf {
 std::string dashed(std::string_view name);
 
 using OptionsByName = std::map<std::string_view, Option>;
-/// Adds the options with these names, in this order. The texts of the options that are given go into `texts`, which
-/// must outlive the parsing.
+/// Adds the options with these names, in this order. `texts` receives the texts that are given, and outlives the parsing.
 OptionsByName add_fit_options(const Subcommand& sub, FitTexts& texts, const std::vector<std::string_view>& names);
 /// Adds all options of fits.
 OptionsByName add_fit_options(const Subcommand& sub, FitTexts& texts);

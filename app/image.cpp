@@ -36,14 +36,14 @@ struct Corner {
     std::array<unsigned char, 4> colour;
 };
 
-constexpr Rgb8 k_strip{38, 38, 38}, k_ink{225, 225, 225};
+constexpr Rgb8 k_strip_colour{38, 38, 38}, k_text_colour{225, 225, 225};
 
 /// A strip of this size with centred `text`.
 Image8 caption(int width, int height, const std::string& text) {
-    Image8 out(width, height, k_strip);
+    Image8 out(width, height, k_strip_colour);
     const int columns = text_width(text), rows = 9;  // the font's twelve rows without the line spacing
     const int scale = std::max(1, std::min(height / 20, width / std::max(1, columns)));
-    draw_text(out, (width - scale * columns) / 2, (height - scale * rows) / 2, text, k_ink, scale);
+    draw_text(out, (width - scale * columns) / 2, (height - scale * rows) / 2, text, k_text_colour, scale);
     return out;
 }
 

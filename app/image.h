@@ -39,9 +39,8 @@ struct PreviewOptions {
 };
 
 /// Three squares side by side, each with a caption in a strip of max(12, size/8) rows below it: `sphere_pictures`
-/// of `measured` and of `fit` under the standard lighting `studio`, and 10 |L − L̂| of their radiances per channel.
-/// As in `picture_errors`, all have the exposure of the first and are clipped at white. The background is
-/// `k_background`.
+/// of `measured` and of `fit` under the standard lighting `studio`, and 10 |L − L̂| of their radiances per channel,
+/// on `k_background`. As in `picture_errors`, all have the exposure of the first and are clipped at white.
 Image8 preview(const Evaluate& measured, const Evaluate& fit, const PreviewOptions& options = {});
 
 }  // namespace srbf

@@ -215,8 +215,8 @@ void print_provenance(const std::map<std::string, std::string>& provenance) {
 /// Describes a map of texels that share their lobes.
 void print_map(const TexelMap& map) {
     print_row("map", fmt::format("{} × {} texels of {} shared lobes", map.width, map.height(), map.basis.lobes));
-    const std::size_t each = 6 * std::size_t(map.basis.lobes);
-    print_row("bytes", fmt::format("{} shared, {} each", grouped(payload_bytes(map.basis) - each), each));
+    const std::size_t texel_bytes = 6 * std::size_t(map.basis.lobes);
+    print_row("bytes", fmt::format("{} shared, {} each", grouped(payload_bytes(map.basis) - texel_bytes), texel_bytes));
     ValueRange error;
     for (const float texel_error : map.error) error.add(texel_error);
     print_row("error", error.text());

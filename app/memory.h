@@ -4,9 +4,8 @@
 
 namespace srbf {
 
-/// Limits the private memory of the program to this many megabytes, from now on. Mapped files and memory shared by
-/// the system do not count. Exceeding the limit ends in an error "out of memory". A limit can be lowered later but
-/// not raised.
+/// Limits the private memory of the program to this many megabytes, without mapped files and memory that the system
+/// shares. Beyond the limit there is an error "out of memory". A limit can be lowered later but not raised.
 void limit_memory(int megabytes);
 
 /// The machine's free memory [bytes]; 0 if unknown.

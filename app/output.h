@@ -49,8 +49,7 @@ inline constexpr const char* k_model_hash = "model_hash";
 bool is_report_of(const Json& report, const std::string& model_file);
 
 /// Returns an error if one of `outputs` cannot be written: its folder is missing, it is a folder or an input, or it
-/// is the same file as another output. Empty names are ignored. Call it before long computations; the write itself
-/// may still fail.
+/// is the same file as another output. Empty names are ignored. Call it before long computations.
 Result<Done> check_outputs(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
 /// Makes a folder to write into, unless it exists. Returns an error if it cannot be made or written.
 Result<Done> make_folder(const std::string& path);

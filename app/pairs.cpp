@@ -92,7 +92,7 @@ Result<DirectionPairs> PairReader::next(std::size_t max_count) {
         const auto line = lines_.next();
         if (!line) return line.error();
         if (!*line) {
-            if (const auto whole = parser_.finish(); !whole) return whole.error();
+            if (const auto complete = parser_.finish(); !complete) return complete.error();
             break;
         }
         if (const auto taken = parser_.take(**line, lines_.number(), pairs); !taken) return taken.error();

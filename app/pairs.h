@@ -16,8 +16,7 @@ struct DirectionPairs {
     std::vector<std::array<std::string, 6>> text;  ///< the numbers of a pair as the file writes them
 };
 
-/// Parses the lines of a CSV file whose first line names its columns, and keeps the columns `k_pair_columns`.
-/// Errors state the line.
+/// Parses a CSV file whose first line names its columns, and keeps the columns `k_pair_columns`. Errors state the line.
 class PairParser {
   public:
     explicit PairParser(std::string file_name) : file_name_(std::move(file_name)) {}

@@ -32,8 +32,7 @@ inline constexpr double k_max_peak = 1000;
 /// grazing angles. Values that are not finite and directions below the horizon are ignored. In transmission, in the
 /// frame of the part (brdf.h), the mirror direction is straight through.
 Peak peak_of(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f);
-/// The peak of a function at pairs with lights at four polar angles and eight azimuths, and viewers that are dense
-/// around the four directions.
+/// The peak of a function for lights at four polar angles and eight azimuths, and viewers densely around four directions.
 Peak peak_of(const Evaluate& brdf);
 /// The peak of the samples of a measurement, or of the values of a table. For a BSDF it is the peak of the first part.
 Peak peak_of(const Measured& measured);

@@ -36,8 +36,7 @@ std::optional<std::string> limit_instructions() {
     return fmt::format("SRBF_INSTRUCTIONS: expected one of {}, found {}", names, wanted);
 }
 
-/// Reports exhausted memory where an exception cannot be caught: destructors of JSON and the start of threads
-/// allocate.
+/// Reports exhausted memory where no exception can be caught: destructors of JSON and starting threads allocate.
 [[noreturn]] void end_without_memory() noexcept {
     try {
         if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);

@@ -41,8 +41,7 @@ OpenPbrModel with_plain_coat(const OpenPbrModel& model) {
     return plain;
 }
 
-/// The roughnesses α along and across the tangent (`openpbr_anisotropic_value` of kernel.glsl), and the tangent's
-/// rotation [turns].
+/// The roughnesses α along and across the tangent (`openpbr_anisotropic_value`), and the tangent's rotation [turns].
 struct Anisotropy {
     float along, across, rotation;
     explicit Anisotropy(const OpenPbrModel& model) : rotation(model.specular_rotation) {
@@ -66,8 +65,7 @@ Input input(std::string_view name, const Rgb& c) {
     return {std::string(name), fmt::format("{:.6g}, {:.6g}, {:.6g}", c.r, c.g, c.b), true};
 }
 
-/// OpenPBR Surface uses the same parameter names. It takes the tangent as a vector, from a node, so the rotation is
-/// left out.
+/// OpenPBR Surface uses the same parameter names, but for the rotation: it takes the tangent as a vector from a node.
 std::vector<Input> openpbr_inputs(const OpenPbrModel& model) {
     std::vector<Input> inputs;
     for (const OpenPbrParameter& parameter : k_openpbr_parameters)
@@ -334,8 +332,7 @@ std::string gltf_text(Gltf document) {
     document.json["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64(document.bytes);
     return document.json.dump(1) + "\n";
 }
-/// Binary glTF: magic number, version and size, then two chunks, each with its size and kind and padded to four
-/// bytes.
+/// Binary glTF: magic number, version and size, then two chunks with their size and kind, padded to four bytes.
 std::string glb_bytes(const Gltf& document) {
     std::string text = document.json.dump(),
                 bytes(reinterpret_cast<const char*>(document.bytes.data()), document.bytes.size());

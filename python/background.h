@@ -26,7 +26,8 @@ template <typename Work> auto in_background(const py::object& progress, const Wo
     bool done = false;
     const ProgressToken token([&](const Progress& now) {
         const std::lock_guard lock(mutex);
-        stage = now.stage, fraction = now.fraction;
+        stage = now.stage;
+        fraction = now.fraction;
         return true;
     });
     std::optional<decltype(work(token))> result;

@@ -67,6 +67,10 @@ class PyBrdf {
             },
             *content_);
     }
+    Channels channels() const {
+        if (model()) return srbf::channels(*model());
+        return wavelengths(*measured()).empty() ? rgb_channels(evaluate()) : spectra(*measured());
+    }
     const PreparedBrdf& prepared() const {
         return front_->get(*this,
                            [](const auto& brdf, const ProposeOptions& options) { return prepare(brdf, options); });
@@ -115,10 +119,7 @@ inline Array values_of(const PyBrdf& brdf, const Array& wl, const Array& wv) {
 inline Array channels_of(const PyBrdf& brdf, const Array& wl, const Array& wv) {
     require_unit(wl, "wl");
     require_unit(wv, "wv");
-    const bool is_of_colours = !brdf.model() && wavelengths(*brdf.measured()).empty();
-    const Channels channels = is_of_colours  ? rgb_channels(brdf.evaluate())
-                              : brdf.model() ? srbf::channels(*brdf.model())
-                                             : spectra(*brdf.measured());
+    const Channels channels = brdf.channels();
     const std::size_t channel_count = channels.count();
     Array f({py::ssize_t(rows(wl)), py::ssize_t(channel_count)});
     const auto l = span_of<Vec3f>(wl), v = span_of<Vec3f>(wv);
@@ -212,14 +213,6 @@ inline double change_by_azimuth(const PyBrdf& brdf) {
     return change_by_azimuth(*samples);
 }
 
-/// The samples that are finite and above the horizon, without an index for lookups.
-inline ScatteredSamples valid_samples(const Array& wl, const Array& wv, const Array& f, bool isotropic) {
-    require_unit(wl, "wl");
-    require_unit(wv, "wv");
-    const py::gil_scoped_release released;
-    return valid_samples(span_of<Vec3f>(wl), span_of<Vec3f>(wv), span_of<Rgb>(f), isotropic);
-}
-
 /// The measurement of arrays, whose rows are in `origin`.
 inline PyBrdf brdf_of_arrays(Origin origin) {
     const std::size_t n = origin.bytes.size() / (9 * sizeof(float));
@@ -274,11 +267,11 @@ inline py::tuple reading(const PyBrdf& brdf) {
 }
 /// The inverse of `file_bytes` and `reading`.
 inline PyBrdf unpickled(const std::string& bytes, const py::tuple& reading) {
-    const auto all = std::as_bytes(std::span(bytes));
-    if (reading.empty()) return PyBrdf(required(read_model(all, "pickled BRDF")));
+    const auto content = std::as_bytes(std::span(bytes));
+    if (reading.empty()) return PyBrdf(required(read_model(content, "pickled BRDF")));
     Origin origin{
         reading[0].cast<std::string>(),
-        {all.begin(), all.end()},
+        {content.begin(), content.end()},
         {reading[1].cast<std::string>(), quantity_named(reading[2].cast<std::string>()), reading[3].cast<float>()},
         reading[4].cast<std::optional<bool>>()};
     return origin.isotropic ? brdf_of_arrays(std::move(origin)) : required(brdf_of_file(std::move(origin)));

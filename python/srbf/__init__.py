@@ -482,9 +482,9 @@ def convert(brdf: Brdf, path: Path, *, spectra: bool = True, threads: int = 0) -
 
 def code(models: Union[Model, Mapping[str, Model]], to: Union[Language, HostMaterial], *, name: str = "material",
          sampling: bool = False, albedo: bool = False) -> str:
-    """Source code that stands alone, in a language `to` of `code_languages()`, or a whole material, "three", "three-webgpu" or "unity", as
-    `srbf export` writes it. The functions of a single model are `name`_brdf and so on, or `name`_bsdf and `name`_beam for a BSDF. Several
-    models have functions named by their keys, and `name` begins the names that they share."""
+    """Source code that stands alone, in a language `to` of `code_languages()`, or a whole material, "radiance", "three", "three-webgpu" or
+    "unity", as `srbf export` writes it. The functions of a single model are `name`_brdf and so on, or `name`_bsdf and `name`_beam for a
+    BSDF. Several models have functions named by their keys, and `name` begins the names that they share."""
     named = {name: models} if isinstance(models, Model) else models
     language = _options.one_of("to", to, [*_srbf.host_materials(), *code_languages()])
     return _srbf.code([model._native for model in named.values()], list(named), language, _srbf.identifier(name),

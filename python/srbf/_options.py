@@ -14,7 +14,7 @@ Lighting = Literal["overcast", "window", "sunset", "studio", "flash", "lamp", "s
 #: the quantity of samples: f [1/sr], the reflectance factor π f, or f cosθ of the viewer
 Quantity = Literal["bsdf", "factor", "cosine"]
 Language = Literal["glsl", "hlsl", "wgsl", "msl", "c"]
-HostMaterial = Literal["three", "three-webgpu", "unity"]  # a whole material of a program, in its own language
+HostMaterial = Literal["radiance", "three", "three-webgpu", "unity"]  # a whole material of a program, in its own language
 Progress = Union[bool, Callable[[str, float], Optional[bool]]]
 Path = Union[str, "os.PathLike[str]"]
 

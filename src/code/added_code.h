@@ -15,8 +15,7 @@ struct AddedCode {
     void (*rewrite)(syntax::Program& program, const std::vector<std::string>& roots) = nullptr;
     std::string albedo_node = {};  ///< the text of `albedo_node`; empty for one that reads a table
     /// The text of the functions, which follows albedo.glsl. It adds its tables to `program`, and its numbers of the
-    /// model to `defines`. If `is_basis`, the coefficients of the model's lobes are arguments, and those of `model` are
-    /// their means.
+    /// model to `defines`. If `is_basis`, the lobes' coefficients are arguments, and those of `model` are their means.
     std::function<std::string(const Model& model, bool is_basis, syntax::Program& program,
                               std::map<std::string, std::string>& defines)>
         text = {};

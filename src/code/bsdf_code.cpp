@@ -161,8 +161,7 @@ std::string format_calls(const char* text, const BsdfModel& bsdf, const char* ca
                        part_call(Part::reflection_back), part_call(Part::transmission_front));
 }
 
-/// Reflection and transmission are chosen with probabilities proportional to the luminance that the viewer receives,
-/// and at least 1/1000.
+/// Reflection and transmission are chosen in proportion to the luminance at the viewer, but at least 1 time in 1000.
 std::string chance_text(const BsdfModel& bsdf) {
     return "Real luminance(Vec3 c) { return Real(0.2126) * c.x + Real(0.7152) * c.y + Real(0.0722) * c.z; }\n"
            "// The chance of drawing reflected light, otherwise transmitted light.\n"
@@ -246,16 +245,16 @@ Result<std::string> print_functions(const Caller& caller, Program program, const
     names["light_pdf"] = caller.name + "_pdf";
     names["directional_albedo"] = caller.name + "_albedo";
     syntax::Printer printer(language, names);
-    std::string all;
+    std::string definitions;
     Result<Done> distinct = Done{};
     const auto add = [&](const auto& definition) {
         if (distinct) distinct = defined.add(names.at(definition.name), caller.name);
-        all += printer.text(definition) + "\n";
+        definitions += printer.text(definition) + "\n";
     };
     for (const auto& table : program.tables) add(table);
     for (std::size_t i = known; i < program.functions.size(); ++i) add(program.functions[i]);
     if (!distinct) return distinct.error();
-    return all;
+    return definitions;
 }
 
 PartModels part_models(const NamedModel& named, bool sampling) {

@@ -17,8 +17,7 @@ struct Caller {
 /// The stubs of the functions of a BRDF.
 std::string brdf_stubs(std::string_view name);
 /// The tables of `program` and the functions of `text` in a language. `sample_light`, `light_pdf` and
-/// `directional_albedo` become NAME_sample, NAME_pdf and NAME_albedo. Returns an error if `defined` has one of the
-/// names.
+/// `directional_albedo` become NAME_sample, NAME_pdf and NAME_albedo. Returns an error for a name that is `defined`.
 Result<std::string> print_functions(const Caller& caller, syntax::Program program, const std::string& text,
                                     CodeLanguage language, DefinedNames& defined);
 

@@ -61,8 +61,9 @@ std::string slots_in_c() {
 
 }  // namespace
 
-std::string kernel_in_c(const std::vector<std::string>& functions, const std::string& prefix, bool has_lanes,
-                        std::set<std::string>& known) {
+std::string kernel_in_c(const std::vector<std::string>& functions, CNumbers numbers, std::set<std::string>& known) {
+    const bool has_lanes = numbers == CNumbers::vectors;
+    const std::string prefix = has_lanes ? "srbf_x_" : "srbf_";
     static const KernelProgram kernel;
     syntax::Program program = kernel.program;
     std::vector<std::string> roots = functions;
@@ -87,9 +88,9 @@ std::string kernel_in_c(const std::vector<std::string>& functions, const std::st
 
 std::string lobes_in_c(std::set<std::string>& known) {
     return std::string("#ifndef SRBF_LANES\n") + k_runtime_lanes_text +
-           kernel_in_c({"pm_further_features"}, "srbf_", false, known) +
-           kernel_in_c({"psi", "axial_psi", "squared_distance", "pm_power", "squared_distance_from_pole"}, "srbf_x_",
-                       true, known) +
+           kernel_in_c({"pm_further_features"}, CNumbers::single, known) +
+           kernel_in_c({"psi", "axial_psi", "squared_distance", "pm_power", "squared_distance_from_pole"},
+                       CNumbers::vectors, known) +
            k_runtime_values_text + "#endif\n\n";
 }
 
@@ -97,9 +98,9 @@ std::string mixtures_in_c(std::set<std::string>& known) {
     return std::string("#ifndef SRBF_NODES\n") +
            kernel_in_c({"facets_pdf", "sample_facets", "sample_sharp_vmf", "below_power_cosine", "light_of",
                         "grown_along", "reflected_up", "mixture_position"},
-                       "srbf_", false, known) +
-           kernel_in_c({"stretch_along", "stretched", "half_vector_lobe", "half_vector", "reflected_pdf"}, "srbf_x_",
-                       true, known) +
+                       CNumbers::single, known) +
+           kernel_in_c({"stretch_along", "stretched", "half_vector_lobe", "half_vector", "reflected_pdf"},
+                       CNumbers::vectors, known) +
            slots_in_c() + k_runtime_densities_text + "#endif\n\n";
 }
 

@@ -8,10 +8,10 @@
 
 namespace SRBF_NAMESPACE {
 
-/// The definitions in C that these functions of kernel.glsl need, with this prefix, for numbers or for vectors of
-/// numbers. Definitions in `known` are left out; the others are added to it.
-std::string kernel_in_c(const std::vector<std::string>& functions, const std::string& prefix, bool has_lanes,
-                        std::set<std::string>& known);
+/// Functions of numbers are named srbf_NAME, functions of vectors of numbers srbf_x_NAME.
+enum class CNumbers { single, vectors };
+/// The definitions in C that these functions of kernel.glsl need, without those in `known`, which the others join.
+std::string kernel_in_c(const std::vector<std::string>& functions, CNumbers numbers, std::set<std::string>& known);
 
 /// The text of vectors and of values of multivariate models; the text of densities and samples of mixtures. Each has a
 /// guard, so that a program may include it several times. The names of their functions are added to `known`.

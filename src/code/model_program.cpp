@@ -132,9 +132,8 @@ std::string numbers_code(const SuModel& model, Program& program) {
         "int su_nearest(SuNearest nearest, int k) {{ return 0; }}\n"
         "int su_lobes(Su su) {{ return {0}; }}\n"
         "int su_views(Su su) {{ return {1}; }}\n"
-        "Vec3 su_direction(Su su, int view) {{ return Vec3(number[{2} * view], number[{2} * view + 1], number[{2} * "
-        "view + "
-        "2]); }}\n"
+        "Vec3 su_direction(Su su, int view) {{ return Vec3(number[{2} * view], number[{2} * view + 1], "
+        "number[{2} * view + 2]); }}\n"
         "Vec3 su_coefficient(Su su, int view, int j) {{ return Vec3({3}, {4}, {5}); }}\n"
         "Real su_bandwidth(Su su, int view, int j) {{ return {6}; }}\n"
         "Vec3 su_centre(Su su, int view, int j) {{ return Vec3({7}, {8}, {9}); }}\n",
@@ -189,8 +188,7 @@ std::vector<Rgb> node_albedos(const Model& model) {
     for (int i = 0; i < k_albedo_nodes; ++i) reflected.push_back(albedo_of_node(brdf, albedo_cosine(i)));
     return reflected;
 }
-/// The function that albedo.glsl requires. If coefficients are arguments, it sums over lobes. Unless `is_used`, its
-/// table is empty.
+/// The function that albedo.glsl requires. It sums over lobes if coefficients are arguments. An unused table is empty.
 std::string albedo_node_text(const Model& model, ParameterStorage storage, bool is_used, Program& program) {
     Table nodes{"Directional albedo (R, G, B), a row for each node.", "albedo_nodes", {}, 3};
     if (storage != ParameterStorage::arguments) {
@@ -266,8 +264,7 @@ std::string look_up_text(const PmModel& basis) {
         basis.lobes);
 }
 
-/// Declarations that the formulas of a model read, and these formulas. `Pm` is the handle of coefficients that are
-/// arguments.
+/// Declarations that the formulas of a model read, and these formulas. Coefficients that are arguments are in a `Pm`.
 struct ModelText {
     std::string brdf, accessors = {}, kernel = {};
     int variates = 1, terms = 1;
@@ -325,7 +322,7 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
         added.albedo_node.empty() ? albedo_node_text(model, storage, has_albedo, program) : added.albedo_node;
     mixture_text += albedo_text(options.language);
     if (added.text) mixture_text += added.text(model, storage == ParameterStorage::arguments, program, defines);
-    syntax::parse(model_text.handle + model_text.accessors, program, defines, true);
+    syntax::parse(model_text.handle + model_text.accessors, program, defines, syntax::FunctionKind::accessor);
     syntax::parse(k_common_text + model_text.kernel + model_text.brdf, program, defines);
     if (needs_mixture) syntax::parse(mixture_text, program, defines);
     if (options.language == CodeLanguage::c && storage == ParameterStorage::constants) {

@@ -58,8 +58,8 @@ std::vector<Token> tokenise(std::string_view text) {
 
 class Parser {
   public:
-    Parser(std::string_view text, Program& program, std::map<std::string, std::string>& defines, bool as_accessors)
-        : tokens_(tokenise(text)), program_(program), defines_(defines), as_accessors_(as_accessors) {}
+    Parser(std::string_view text, Program& program, std::map<std::string, std::string>& defines, FunctionKind kind)
+        : tokens_(tokenise(text)), program_(program), defines_(defines), kind_(kind) {}
 
     void parse() {
         for (;;) {
@@ -144,7 +144,7 @@ class Parser {
 
     void function(std::string comment) {
         Function function;
-        function.is_accessor = as_accessors_;
+        function.is_accessor = kind_ == FunctionKind::accessor;
         function.comment = std::move(comment);
         function.type = type();
         function.name = word();
@@ -339,14 +339,14 @@ class Parser {
     std::size_t next_ = 0;
     Program& program_;
     std::map<std::string, std::string>& defines_;
-    bool as_accessors_;
+    FunctionKind kind_;
     std::vector<Variable> scope_;
 };
 
 }  // namespace
 
-void parse(std::string_view text, Program& program, std::map<std::string, std::string>& defines, bool as_accessors) {
-    Parser(text, program, defines, as_accessors).parse();
+void parse(std::string_view text, Program& program, std::map<std::string, std::string>& defines, FunctionKind kind) {
+    Parser(text, program, defines, kind).parse();
 }
 
 }  // namespace srbf::syntax

@@ -174,8 +174,7 @@ bool is_of_lanes(const Expression& condition) {
     return condition.kind == EKind::binary && condition.parts[0].type.name == "Real";
 }
 
-/// Breaks a line before column `k_columns` at blanks whose preceding character `may_break` accepts. The next line
-/// begins with `indent`.
+/// Breaks a line before column `k_columns` at blanks after characters that `may_break` accepts, and indents the rest.
 template <typename MayBreak>
 std::string break_line(std::string line, const std::string& indent, const MayBreak& may_break) {
     std::string text;
@@ -290,8 +289,7 @@ std::string Printer::expression_text(const Expression& expression, int outer) {
         case EKind::member:
             return part(0, k_primary_level) + "." + printed_name(expression.text);
         case EKind::index: {
-            // In C a table is a function, since GPU programs may lack global arrays. In every language the host
-            // supplies a function.
+            // In C a table is a function, since GPU programs may lack global arrays; so is a table of the host.
             const bool is_table = parts[0].kind == EKind::name && names_.contains(parts[0].text);
             const bool is_supplied = parts[0].type.size.empty();
             const char* brackets = is_table && (!language_.has_operators || is_supplied) ? "()" : "[]";
@@ -418,10 +416,10 @@ std::string Printer::text(const Table& table) {
 std::string Printer::native_text(const std::string& native) const {
     std::string text;
     for (std::size_t begin = 0; begin < native.size();) {
-        const std::size_t at = std::min(native.find('@', begin), native.size()), end = native.find('@', at + 1);
-        text += native.substr(begin, at - begin);
-        if (at < native.size()) text += printed_name(native.substr(at + 1, end - at - 1));
-        begin = at < native.size() ? end + 1 : at;
+        const std::size_t mark = std::min(native.find('@', begin), native.size()), end = native.find('@', mark + 1);
+        text += native.substr(begin, mark - begin);
+        if (mark < native.size()) text += printed_name(native.substr(mark + 1, end - mark - 1));
+        begin = mark < native.size() ? end + 1 : mark;
     }
     return text;
 }

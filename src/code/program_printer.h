@@ -30,8 +30,7 @@ class ProgramPrinter {
 
   private:
     Names names(std::size_t i) const;
-    /// Marks definitions as a model's own if they differ between models, or use a model's own definitions. Returns true
-    /// if it marked any.
+    /// Marks definitions that differ between models, or use such ones, as a model's own. Returns true if it marked any.
     bool separate();
 
     std::vector<NamedProgram> programs_;

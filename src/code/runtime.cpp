@@ -70,8 +70,8 @@ std::string runtime_code() {
     const std::string lobes = lobes_in_c(known), mixtures = mixtures_in_c(known);
     return k_runtime_interface_text + syntax::definitions_of_c() +
            fmt::format("#define SRBF_MOST_VARIATES {}\n\n", k_max_variates) + lobes + mixtures + k_runtime_host_text +
-           kernel_in_c(functions, "srbf_", false, known) + observer_text() + parameters_text() + k_runtime_files_text +
-           k_runtime_models_text + k_runtime_preparation_text + k_runtime_functions_text;
+           kernel_in_c(functions, CNumbers::single, known) + observer_text() + parameters_text() +
+           k_runtime_files_text + k_runtime_models_text + k_runtime_preparation_text + k_runtime_functions_text;
 }
 
 }  // namespace

@@ -57,20 +57,18 @@ std::string macros(const BsdfTables& tables) {
     return fmt::format("#define MERL_SIZE vec3({}.0, {}.0, {}.0)\n", p, d, h) + beam_macros(tables.beam);
 }
 
-template <typename M, typename... Types>
-concept NoneOf = !(std::same_as<M, Types> || ...);
 /// A model of few numbers, which are a uniform that its formula reads.
 template <typename M>
-concept OfFewNumbers = NoneOf<M, Flat, MerlTable, BsdfTables, PmModel, SuModel, BsdfModel>;
+concept OfFewNumbers = !(std::same_as<M, Flat> || std::same_as<M, MerlTable> || std::same_as<M, BsdfTables> ||
+                         std::same_as<M, PmModel> || std::same_as<M, SuModel> || std::same_as<M, BsdfModel>);
 template <OfFewNumbers M> std::string macros(const M&) { return "#define VALUE model_value(wl, wv)\n"; }
 
 std::string uniform_name(const Model& model) { return fmt::format("{}_numbers", kind(model)); }
 
 /// The text that a material adds to the kernel's text.
 const char* kernel_text(const Material& material) {
-    return std::holds_alternative<PmModel>(material)   ? k_pm_text
-           : std::holds_alternative<SuModel>(material) ? k_su_text
-                                                       : "";
+    if (std::holds_alternative<PmModel>(material)) return k_pm_text;
+    return std::holds_alternative<SuModel>(material) ? k_su_text : "";
 }
 /// The code that precedes material.glsl.
 template <typename M> std::string value_code(const M&) { return {}; }
@@ -126,16 +124,16 @@ Proposals propose_parts(const Evaluate& bsdf, const ProposeOptions& options) {
 }
 
 ProposalNumbers proposal_numbers(const Proposals& proposals) {
-    ProposalNumbers all;
+    ProposalNumbers packed;
     for (const MixtureProposal& proposal : proposals.by_part) {
         for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
             const std::vector<float> numbers = node_numbers(proposal, node, true);
-            all.nodes.insert(all.nodes.end(), numbers.begin(), numbers.end());
-            all.nodes.resize(all.nodes.size() + std::size_t(4 * k_node_vectors) - numbers.size());
+            packed.nodes.insert(packed.nodes.end(), numbers.begin(), numbers.end());
+            packed.nodes.resize(packed.nodes.size() + std::size_t(4 * k_node_vectors) - numbers.size());
         }
-        all.grains.push_back({proposal.cosine, proposal.sine});
+        packed.grains.push_back({proposal.cosine, proposal.sine});
     }
-    return all;
+    return packed;
 }
 
 namespace {

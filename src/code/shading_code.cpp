@@ -50,8 +50,8 @@ std::string lanes_text(std::span<const NamedModel> models, const CodeOptions& op
 std::set<std::string> functions_in_c(const std::string& text) {
     const std::string_view head = "\nSRBF_FN ";
     std::set<std::string> names;
-    for (std::size_t at = text.find(head); at != text.npos; at = text.find(head, at + 1)) {
-        const std::size_t end = text.find('(', at), begin = text.rfind(' ', end) + 1;
+    for (std::size_t position = text.find(head); position != text.npos; position = text.find(head, position + 1)) {
+        const std::size_t end = text.find('(', position), begin = text.rfind(' ', end) + 1;
         names.insert(text.substr(begin, end - begin));
     }
     return names;
@@ -68,8 +68,7 @@ std::string kind_text(const Model& model) {
 /// Describes a model: its name, kind, size and provenance.
 std::string describe_model(const NamedModel& named) {
     const Model& model = *named.model;
-    std::string text = named.name + ": " + kind_text(model);
-    text += fmt::format(", {} bytes.", payload_bytes(model));
+    std::string text = fmt::format("{}: {}, {} bytes.", named.name, kind_text(model), payload_bytes(model));
     for (const auto& [key, value] : model.provenance) text += fmt::format("\n  {}", printable(key + " " + value));
     return text;
 }
@@ -223,12 +222,12 @@ template <typename Row> std::vector<Row> rows_of_extras(std::vector<Row> CodeExt
 }  // namespace
 
 std::span<const CodeFeature> code_features() {
-    static const std::vector<CodeFeature> all = rows_of_extras(&CodeExtra::features);
-    return all;
+    static const std::vector<CodeFeature> features = rows_of_extras(&CodeExtra::features);
+    return features;
 }
 std::span<const CodeModule> code_modules() {
-    static const std::vector<CodeModule> all = rows_of_extras(&CodeExtra::modules);
-    return all;
+    static const std::vector<CodeModule> modules = rows_of_extras(&CodeExtra::modules);
+    return modules;
 }
 
 Result<std::string> shading_code(std::span<const NamedModel> models, std::string_view prefix,

@@ -94,10 +94,11 @@ struct Program {
     std::vector<Function> functions;
 };
 
+enum class FunctionKind { called, accessor };
 /// Adds the definitions of `text` to `program`. A `#define NAME VALUE` is added to `defines` unless that has the name.
 /// Text that is not in the language is an error of the programmer.
 void parse(std::string_view text, Program& program, std::map<std::string, std::string>& defines,
-           bool as_accessors = false);
+           FunctionKind kind = FunctionKind::called);
 
 /// Reduces `program` to the definitions that the functions `roots` need. Replaces accessors and constant arguments by
 /// their values, decides conditions on constants, and removes variables that nothing reads, functions that nothing

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int k_lobes_of_coat = 3, k_bounded_azimuths = 5;
 /// An edit whose albedo would exceed the limit by this factor is marked as limited.
-constexpr double k_noted_excess = 1.001;
+constexpr double k_min_stated_excess = 1.001;
 template <typename... F> struct Cases : F... { using F::operator()...; };
 
 std::string text(const Rgb& colour) { return fmt::format("{:g},{:g},{:g}", colour.r, colour.g, colour.b); }
@@ -143,8 +143,7 @@ Result<const PmModel*> require_pm(const Model& model) {
 /// True if the edit needs colours, which a spectral model does not have of its own.
 bool is_of_colours(const Edit& edit) { return !std::holds_alternative<Rotate>(edit); }
 
-/// The model in 16-bit floats. Returns an error if a coefficient is too large for them, or so small that its lobe
-/// becomes black.
+/// The model in 16-bit floats. Returns an error if a coefficient is too large, or so small that its lobe becomes black.
 Result<PmModel> in_halves(const PmModel& model, const char* where) {
     PmModel stored = rounded(model);
     for (std::size_t j = 0; j < stored.coefficient.size(); ++j)
@@ -158,7 +157,7 @@ Result<PmModel> in_halves(const PmModel& model, const char* where) {
 std::map<std::string, std::string> origin(const Model& model) {
     std::map<std::string, std::string> kept{{"generator", "srbf " SRBF_VERSION}};
     for (const char* key : {"source", "exchanged", "max_theta", "edits"})
-        if (const auto at = model.provenance.find(key); at != model.provenance.end()) kept.insert(*at);
+        if (const auto entry = model.provenance.find(key); entry != model.provenance.end()) kept.insert(*entry);
     return kept;
 }
 
@@ -207,7 +206,7 @@ Result<Model> edit_model(const Model& model, std::span<const Edit> edits, const 
         Editor editor{options, bound};
         auto next = std::visit([&](const auto& chosen) { return editor(now, chosen); }, edit);
         if (!next) return next.error();
-        if (const double asked = std::max(editor.asked, bound.excess(evaluator(*next))); asked > k_noted_excess)
+        if (const double asked = std::max(editor.asked, bound.excess(evaluator(*next))); asked > k_min_stated_excess)
             add(result.provenance["limited"],
                 fmt::format("{}, with an albedo of {:.3g}, to {}", text(edit), limit * asked,
                             editor.done.empty() ? fmt::format("an albedo of {:.3g}", limit) : editor.done));

@@ -21,7 +21,7 @@ struct InitialLobes {
     double loss;
 };
 /// The model without the lobes that are least useful, dropped one after the other, after a few steps.
-InitialLobes initial_lobes(const PmModel& model, int lobes, const LobeShape& shape, LobeProblem& problem) {
+InitialLobes pruned_lobes(const PmModel& model, int lobes, const LobeShape& shape, LobeProblem& problem) {
     constexpr int k_first_steps = 8;
     Lobes kept = to_lobes(model, shape);
     for (problem.loss(pack(kept)); kept.count() > lobes; problem.loss(pack(kept))) {
@@ -53,7 +53,7 @@ Result<PmModel> refit(const Evaluate& f, std::span<const PmModel> begin, int lob
         const PackedObservations rows(first_pairs(*observations, k_initial_pairs));
         LobeProblem problem(rows, shape_of(fit), true);
         for (const PmModel& model : begin) {
-            InitialLobes next = initial_lobes(model, lobes, shape_of(fit), problem);
+            InitialLobes next = pruned_lobes(model, lobes, shape_of(fit), problem);
             if (!best || next.loss < best->loss) best = std::move(next);
         }
     });

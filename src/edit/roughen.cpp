@@ -29,7 +29,8 @@ double roughness_of(const Evaluate& highlight) {
         const double theta = k_steepest * elementary::square((i + 0.5) / k_steps);
         const Vec3d h = spherical(theta, 0.0), across{0, elementary::sin(k_half_angle), 0};
         const Vec3d centre = elementary::cos(k_half_angle) * h;
-        wl.push_back(to_float(centre + across)), wv.push_back(to_float(centre - across));
+        wl.push_back(to_float(centre + across));
+        wv.push_back(to_float(centre - across));
         slope.push_back(elementary::sin(theta) / h.z);
     }
     highlight(wl, wv, f);
@@ -52,7 +53,8 @@ Evaluate apply_roughening(Evaluate highlight, double factor, double roughness) {
             for (std::size_t i = 0; i < wl.size(); ++i) {
                 const Vec3d l = to_double(wl[i]), v = to_double(wv[i]);
                 const auto [light, viewer] = kernel::Roughening::with_slope_over(factor, l, v);
-                from_l[i] = to_float(light), from_v[i] = to_float(viewer);
+                from_l[i] = to_float(light);
+                from_v[i] = to_float(viewer);
                 gain[i] = Kernel<double>::ggx_facets(l, v, factor * roughness) /
                           Kernel<double>::ggx_facets(light, viewer, roughness);
             }

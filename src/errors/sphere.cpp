@@ -1,4 +1,4 @@
-#include <map>
+#include <optional>
 
 #include "base/parallel.h"
 #include "base/reporter.h"
@@ -178,15 +178,13 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
         if (is_isotropic) view.f = values(brdfs, view.points.w, viewer(squares), 1, 0);
         return view;
     };
-    std::map<int, ViewPoints> shared;  // keys are squared distances; about eight pixels share points
-    std::vector<std::pair<const int, ViewPoints>*> entries;
-    if (size <= k_max_shared)
-        for (int y = 0; y < size; ++y)
-            for (int x = 0; x < size; ++x)
-                if (shows_sphere(size, x, y)) shared[squared_distance(size, x, y)];
-    for (auto& entry : shared) entries.push_back(&entry);
-    parallel_for(entries.size(), threads, [&](std::size_t i) {
-        if (!progress.cancelled()) entries[i]->second = view_points(entries[i]->first);
+    std::vector<std::optional<ViewPoints>> shared;  // by squared distance; about eight pixels share points
+    if (size <= k_max_shared) shared.resize(std::size_t(size) * std::size_t(size));
+    for (int y = 0; y < size && !shared.empty(); ++y)
+        for (int x = 0; x < size; ++x)
+            if (shows_sphere(size, x, y)) shared[std::size_t(squared_distance(size, x, y))].emplace();
+    parallel_for(shared.size(), threads, [&](std::size_t squares) {
+        if (shared[squares] && !progress.cancelled()) shared[squares] = view_points(int(squares));
     });
 
     std::vector<LightPoints> lights;
@@ -207,10 +205,8 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
             const double sine_v = elementary::hypot(v.x, v.y), cosine = sine_v > 0 ? v.x / sine_v : 1,
                          sine = sine_v > 0 ? v.y / sine_v : 0;
             const Frame turned{cosine * frame.x + sine * frame.y, cosine * frame.y - sine * frame.x, normal};
-            const auto found = shared.find(squares);
-            ViewPoints own;
-            if (found == shared.end()) own = view_points(squares);
-            const ViewPoints& points = found == shared.end() ? own : found->second;
+            const ViewPoints own = shared.empty() ? view_points(squares) : ViewPoints();
+            const ViewPoints& points = shared.empty() ? own : *shared[std::size_t(squares)];
             const Pixel pixel = make_pixel(turned, points.points, mixture, lights);
             const auto f = [&](const std::vector<Vec3f>& wl) {
                 return is_isotropic ? values(brdfs, wl, view, 1, 0) : values(brdfs, wl, view, cosine, sine);

@@ -55,8 +55,8 @@ FitOptionRow or_word(FitOptionRow option, Text word, void (*set)(FitRequest&)) {
 }
 
 /// One of some words, which `set` stores unless it knows no such word.
-template <typename Words> FitOptionRow word(FitOptionRow option, const Words& words, bool (*set)(FitRequest&, Text)) {
-    option.choices.assign(std::begin(words), std::end(words));
+FitOptionRow word(FitOptionRow option, const std::vector<Text>& words, bool (*set)(FitRequest&, Text)) {
+    option.choices.assign(words.begin(), words.end());
     option.expected = fmt::format("{}", fmt::join(option.choices, " or "));
     option.set = set;
     return option;
@@ -76,6 +76,13 @@ template <typename T> std::string preset(const T& value) { return fmt::format("{
 const FitRequest k_request{};
 const SuRequest k_su{};
 
+/// Requests the model R if it has this name.
+template <typename R> bool request_if_named(FitRequest& request, Text name) {
+    const bool is_named = R::k_name == name;
+    if (is_named) request.model = R();
+    return is_named;
+}
+
 FitOptionRow model() {
     return []<typename... R>(std::type_identity<std::variant<R...>>) {
         std::string about = fmt::format("{}", fmt::join({fmt::format("{}: {}", R::k_name, R::k_about)...}, ";\n"));
@@ -86,7 +93,7 @@ FitOptionRow model() {
                     [](FitRequest& r, Text name) {
                         const auto surface = openpbr_surface_named(name);
                         if (surface) r.model = OpenPbrRequest{*surface};
-                        return surface || ((R::k_name == name && (r.model.emplace<R>(), true)) || ...);
+                        return surface || (request_if_named<R>(r, name) || ...);
                     });
     }(std::type_identity<AnyRequest>());
 }
@@ -177,10 +184,10 @@ std::vector<FitOptionRow> options_of_lobes() {
               .negation = "no_axial"},
              [](FitRequest& r, bool is) { pm(r).axial = is; }),
         or_word(number<int>({"lobes", k_of_pm, "J|auto",
-                             fmt::format("Number of lobes, 1 to {}; for su per sampled direction; for ggx 1 or 2. "
-                                         "auto: for a table the\nfewest with a visible error of at most {:g}; for "
-                                         "samples the most that they determine. Default: {}, or {} in\nforms that are "
-                                         "not reciprocal; for samples auto; for ggx 1",
+                             fmt::format("Number of lobes, 1 to {}; su has it for each sampled direction; ggx has 1 or "
+                                         "2. auto takes for a table\nthe fewest with a visible error of at most {:g}, "
+                                         "and for samples the most that they determine.\nDefault: {}, or {} in forms "
+                                         "that are not reciprocal; auto for samples; 1 for ggx",
                                          k_max_fitted_lobes, k_default_delta_e, LobeCount{}.lobes,
                                          row_of(PmForm::extended).lobes)},
                             1, k_max_fitted_lobes, [](FitRequest& r, int n) { pm(r).size = LobeCount{n}; }),
@@ -192,11 +199,10 @@ std::vector<FitOptionRow> options_of_lobes() {
 }
 
 std::vector<FitOptionRow> options_of_views() {
-    using Words = std::vector<Text>;
     return {
         word({"discretise", k_of_su, "view|light", "The sampled direction; lobes are functions of the other one",
               preset(name(k_su.discretise))},
-             Words{"view", "light"},
+             {"view", "light"},
              [](FitRequest& r, Text text) { return store(discretise_named(text), su(r).discretise); }),
         number<int>(
             {"directions", k_of_su, "N",
@@ -211,7 +217,7 @@ std::vector<FitOptionRow> options_of_views() {
                     [](FitRequest& r, int n) { su(r).interpolation = SuInterpolation::plain, su(r).neighbours = n; }),
                 "rotated", [](FitRequest& r) { su(r).interpolation = SuInterpolation::rotated; }),
         word({"with_index", k_of_su, "cube|parabolic", "Store an index texture, the samples nearest to each direction"},
-             Words{"cube", "parabolic"}, [](FitRequest& r, Text text) { return store(map_named(text), su(r).index); }),
+             {"cube", "parabolic"}, [](FitRequest& r, Text text) { return store(map_named(text), su(r).index); }),
     };
 }
 
@@ -222,7 +228,7 @@ std::vector<FitOptionRow> further_options() {
               .about = "rgb: colours; spectral: lobes with a coefficient for each wavelength of the measurement",
               .preset = "rgb",
               .needed_for_patches = [](const FitRequest& r) -> Text { return r.spectral ? "rgb" : ""; }},
-             std::vector<Text>{"rgb", "spectral"},
+             {"rgb", "spectral"},
              [](FitRequest& r, Text text) {
                  r.spectral = text == "spectral";
                  return r.spectral || text == "rgb";
@@ -231,7 +237,7 @@ std::vector<FitOptionRow> further_options() {
             {.name = "target_delta_e",
              .models = k_of_pm,
              .type = "E",
-             .about = fmt::format("pm: the fewest of up to {} lobes with at most this visible error against what is "
+             .about = fmt::format("Take the fewest of up to {} lobes with at most this visible error against what is "
                                   "fitted, the\nmean Delta E (ITP) of pictures of a sphere, where 1 is just noticeable",
                                   *std::ranges::max_element(k_tried_lobes)),
              .needed_for_patches = [](const FitRequest&) -> Text { return "a table of values"; }},
@@ -301,22 +307,22 @@ std::span<const FitOptionRow> fit_options() {
 }
 
 const FitOptionRow& fit_option(std::string_view name) {
-    const auto all = fit_options();
-    const auto at = std::ranges::find(all, name, &FitOptionRow::name);
-    if (at == all.end()) misused("an unknown option of fits");
-    return *at;
+    const auto options = fit_options();
+    const auto option = std::ranges::find(options, name, &FitOptionRow::name);
+    if (option == options.end()) misused("an unknown option of fits");
+    return *option;
 }
 
 Result<FitRequest> fit_request(const FitTexts& texts, const Spelling& spelling) {
     const Spelling spelled = spelling ? spelling : [](Text name) { return std::string(name); };
     FitRequest request;
     for (const FitOptionRow& option : fit_options()) {
-        const auto at = texts.find(option.name);
+        const auto given = texts.find(option.name);
         const bool is_read = option.models.empty() || std::ranges::count(option.models, model_name(request)) > 0;
-        if (at == texts.end() || !is_read || option.set(request, at->second)) continue;
+        if (given == texts.end() || !is_read || option.set(request, given->second)) continue;
         const bool is_first = &option == &fit_option(option.name);
         const std::string with = is_first ? "" : fmt::format(" with {} {}", spelled("model"), model_name(request));
-        return wrong(spelled(option.name), option.expected + with, at->second);
+        return wrong(spelled(option.name), option.expected + with, given->second);
     }
     for (const auto& [name, text] : texts)
         if (const auto reads = check_reads(name, model_name(request), spelled); !reads) return reads.error();

@@ -129,13 +129,14 @@ void describe(const Observations& observations, FitOutcome& outcome) {
 }
 
 Result<FitOutcome> fit_table(FittedData& data, const FitRequest& request, const ProgressToken& progress) {
-    const auto rest = data.smooth(request, progress);
-    if (!rest) return rest.error();
+    const auto remaining = data.smooth(request, progress);
+    if (!remaining) return remaining.error();
     if (std::holds_alternative<SuRequest>(request.model))
-        return fit_view_by_view(data.smoothed_values() ? data.smoothed_values() : data.signed_values(), request, *rest);
-    const auto observed = data.observations(request, rest->subrange(0, k_observed));
+        return fit_view_by_view(data.smoothed_values() ? data.smoothed_values() : data.signed_values(), request,
+                                *remaining);
+    const auto observed = data.observations(request, remaining->subrange(0, k_observed));
     if (!observed) return observed.error();
-    const ProgressToken fitting = rest->subrange(k_observed, 1);
+    const ProgressToken fitting = remaining->subrange(k_observed, 1);
     auto outcome = std::holds_alternative<PmRequest>(request.model)
                        ? fit_lobes(data, **observed, request, fitting)
                        : fit_by_kind(request, **observed, data.looks_isotropic(request), fitting);
@@ -144,15 +145,15 @@ Result<FitOutcome> fit_table(FittedData& data, const FitRequest& request, const 
 }
 
 Result<FitOutcome> draft_of_table(FittedData& data, const FitRequest& request, const ProgressToken& progress) {
-    const auto rest = data.smooth(request, progress);
-    if (!rest) return rest.error();
-    const auto observed = data.observations(request, rest->subrange(0, k_drafts_observed));
+    const auto remaining = data.smooth(request, progress);
+    if (!remaining) return remaining.error();
+    const auto observed = data.observations(request, remaining->subrange(0, k_drafts_observed));
     if (!observed) return observed.error();
     PmFitOptions options = lobe_options(data, request);
     options.starts = k_draft_starts;
     options.perturbations = 0;
     auto outcome =
-        outcome_of(fit_pm(first_pairs(**observed, k_draft_pairs), options, rest->subrange(k_drafts_observed, 1)));
+        outcome_of(fit_pm(first_pairs(**observed, k_draft_pairs), options, remaining->subrange(k_drafts_observed, 1)));
     if (outcome) describe(**observed, *outcome);
     return outcome;
 }

@@ -16,8 +16,7 @@ inline double fraction_of(const Noise& noise) {
     const auto sum = [](const Rgb& x) { return double(x.r) + double(x.g) + double(x.b); };
     return sum(noise.level) > 0 ? sum(noise.deviation) / sum(noise.level) : 0;
 }
-/// The largest deviation of a channel relative to its value; infinite if there is noise about a value that is not above
-/// 0.
+/// The largest deviation of a channel relative to its value; infinite for noise about a value that is not above 0.
 double largest_fraction(const Noise& noise);
 
 /// f smoothed to its noise: f − λ clamp(f − f̂, ±3σ). It is f̂ where the two differ by noise, and keeps features that

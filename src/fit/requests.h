@@ -74,7 +74,8 @@ inline ObservationKey observation_key(const FitRequest& request, bool is_of_samp
 }
 
 inline ObserveSamplesOptions observe_samples_options(const FitRequest& request) {
-    const ObservationKey key = observation_key(request, true);
+    constexpr bool k_is_of_samples = true;
+    const ObservationKey key = observation_key(request, k_is_of_samples);
     return {.objective = key.objective,
             .max_theta = key.max_theta,
             .seed = key.seed,
@@ -83,8 +84,7 @@ inline ObserveSamplesOptions observe_samples_options(const FitRequest& request) 
             .threads = request.threads};
 }
 
-/// The model of a fit, and why its search stopped. Returns an error if the fit has one, or if a number is too large for a
-/// file.
+/// The model of a fit, and why its search stopped. Returns the error of the fit, or of a number too large for a file.
 template <typename Fit> Result<FitOutcome> outcome_of(Result<Fit> fit) {
     if (!fit) return fit.error();
     FitOutcome outcome;
@@ -95,8 +95,7 @@ template <typename Fit> Result<FitOutcome> outcome_of(Result<Fit> fit) {
     return outcome;
 }
 
-/// Writes into a model's provenance the file of its measurement, whether light and viewer were exchanged, and the
-/// aperture.
+/// Writes into a model's provenance the file of its measurement, an exchange of light and viewer, and the aperture.
 inline void name_source(Model& model, const Measured& measured) {
     if (!measured.source.empty())
         model.provenance["source"] = measured.source.substr(measured.source.find_last_of('/') + 1);

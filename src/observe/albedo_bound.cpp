@@ -67,7 +67,8 @@ double max_measured_albedo(const Observations& observations) {
     return max;
 }
 
-AlbedoBound::AlbedoBound(double limit, int azimuths, bool is_fine) : limit_(limit) {
+AlbedoBound::AlbedoBound(double limit, int azimuths, Resolution resolution) : limit_(limit) {
+    const bool is_fine = resolution == Resolution::fine;
     const MirrorMixture mixture(k_horizon_theta);
     const int cosines = is_fine ? k_fine_views : k_bounded_views;
     for (int i = 0; i < cosines * azimuths; ++i) {
@@ -126,7 +127,7 @@ PmModel limit_albedo(const AlbedoBound& bound, PmModel model) {
     const auto excess = [&](const AlbedoBound& checked) { return checked.excess(evaluator(model)); };
     if (excess(bound) > 1) model = lowered_at_views(bound, std::move(model));
     if (excess(bound) < k_checked_excess) return model;
-    const AlbedoBound fine(bound.limit(), 1, true);
+    const AlbedoBound fine(bound.limit(), 1, AlbedoBound::Resolution::fine);
     return excess(fine) > 1 ? lowered_at_views(fine, std::move(model)) : model;
 }
 

@@ -17,16 +17,16 @@ constexpr double default_albedo_limit(PmForm form) {
     return is_reciprocal(form) ? 1 : std::numeric_limits<double>::infinity();
 }
 
-/// The largest directional albedo of a channel that was measured at views up to 80°. At larger angles a table's values
-/// are quotients by small cosines.
+/// The largest directional albedo of a channel measured at views up to 80°; beyond, values are quotients by small cosines.
 double max_measured_albedo(const Observations& observations);
 
 /// Limits the directional albedo of a fit at views from the normal to cosθv = 0.001, in every channel.
 class AlbedoBound {
   public:
-    /// `azimuths`: number of azimuths of the views; one is enough for isotropic models. `is_fine`: more views, with
-    /// albedos by `albedo_quadrature`.
-    AlbedoBound(double limit, int azimuths, bool is_fine = false);
+    /// Fine: more views, with albedos by `albedo_quadrature`.
+    enum class Resolution { coarse, fine };
+    /// `azimuths`: number of azimuths of the views; one is enough for isotropic models.
+    AlbedoBound(double limit, int azimuths, Resolution resolution = Resolution::coarse);
 
     double limit() const { return limit_; }
 
@@ -53,8 +53,7 @@ class AlbedoBound {
 
 /// `model` with lobes lowered until its albedo is within the limit, for a fit that still exceeds it. In the view with
 /// the largest albedo, the lobe that has the largest fraction of its own albedo there is lowered, and so on. So a lobe
-/// that rises only at the horizon does not darken the others. An albedo near the limit is also checked between the
-/// views.
+/// that rises only at the horizon does not darken the others. Near the limit, views between are checked as well.
 PmModel limit_albedo(const AlbedoBound& bound, PmModel model);
 
 }  // namespace

@@ -19,8 +19,7 @@ constexpr int k_albedo_points = 4096;
 constexpr double k_deviations_of_albedo = 0.1;
 /// Noise is independent between samples, so that its sums need this many times as many directions as smooth values.
 constexpr int k_finer_for_noise = 8;
-/// At the normal, a noisy table has samples of one azimuth only. A view at this angle from the normal uses all
-/// azimuths.
+/// A noisy table has samples of one azimuth at the normal. A view at this angle from the normal uses all azimuths.
 constexpr double k_beside_normal_of_noise = 0.5 * k_degree;
 
 /// The standard deviation of a sum of noisy values, √Σ w² |f − s|², where s is the smooth values.
@@ -105,8 +104,7 @@ std::vector<ObservedIntegral> observe_albedos(const Evaluate& f, const ObserveOp
         if (at_horizon) albedos[k].min_unit = k_horizon_albedo;
         albedos[k].in_search = k % 2 == 0;
     });
-    // The last albedo is a bound. Many tables diverge beyond their last measured angle, where it would act as a
-    // target rather than a bound.
+    // The last albedo is a bound. It would act as a target for tables that diverge beyond their last measured angle.
     if (albedos.size() > steeper && luminance(albedos.back()) > 1) albedos.pop_back();
     return albedos;
 }

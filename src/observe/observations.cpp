@@ -23,13 +23,13 @@ bool Observations::is_grey() const {
     return std::ranges::all_of(f, [](const Rgb& value) { return value.r == value.g && value.g == value.b; });
 }
 
-void Observations::append(const Observations& more) {
+void Observations::append(const Observations& added) {
     const auto extend = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-    extend(wl, more.wl);
-    extend(wv, more.wv);
-    extend(f, more.f);
-    extend(weight, more.weight);
-    if (!wavelengths.empty()) extend(spectrum, more.spectrum);
+    extend(wl, added.wl);
+    extend(wv, added.wv);
+    extend(f, added.f);
+    extend(weight, added.weight);
+    if (!wavelengths.empty()) extend(spectrum, added.spectrum);
 }
 
 void Observations::swap_rows(std::size_t i, std::size_t k) {
@@ -97,14 +97,17 @@ double horizon_weight(Vec3f wl, Vec3f wv, double importance, std::size_t count, 
 Observations first_pairs(const Observations& observations, std::size_t count) {
     count = std::min(count, observations.fitted_count());
     Observations selected;
-    selected.objective = observations.objective, selected.typical = observations.typical;
+    selected.objective = observations.objective;
+    selected.typical = observations.typical;
     selected.integral_error = observations.integral_error;
     selected.wavelengths = observations.wavelengths;
     const auto copy_first = [](auto& to, const auto& from, std::size_t numbers) {
         to.assign(from.begin(), from.begin() + std::ptrdiff_t(numbers));
     };
-    copy_first(selected.wl, observations.wl, count), copy_first(selected.wv, observations.wv, count);
-    copy_first(selected.f, observations.f, count), copy_first(selected.weight, observations.weight, count);
+    copy_first(selected.wl, observations.wl, count);
+    copy_first(selected.wv, observations.wv, count);
+    copy_first(selected.f, observations.f, count);
+    copy_first(selected.weight, observations.weight, count);
     copy_first(selected.spectrum, observations.spectrum, count * observations.wavelengths.size());
     selected.normalise();
     return selected;

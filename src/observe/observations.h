@@ -10,8 +10,7 @@ namespace SRBF_NAMESPACE {
 
 // ---- The costs of the terms of a loss, for fits of tables: "The objective" in docs/fitting.md ----
 
-// Weights of pairs: the loss of a 100 % error everywhere under each term, as a fraction of the same loss under the
-// objective's own weights.
+// Weights of pairs: the loss of a 100 % error everywhere under a term, as a fraction of that under the objective's own.
 inline constexpr double k_highlights = 1;  ///< weight of cube roots in appearance, for values that a display clips
 inline constexpr double k_peaks = 0.3;     ///< weight of squares in appearance
 /// The weight of cube roots in objective cosine. Without it the diffuse base under a highlight has almost no weight.
@@ -23,8 +22,7 @@ inline constexpr double k_horizon_importance = 1e-2;
 inline constexpr double k_pixels = 3.5;
 
 /// A relative error of this size in every albedo costs as much as the fit's loss without albedos; the two values
-/// are for fits without and with pixels. The cost is proportional to 1 over the square: with half the value it is
-/// four times as large.
+/// are for fits without and with pixels. The cost is proportional to 1 over the square of the value.
 inline constexpr double k_albedo_error = 0.1, k_albedo_error_with_pixels = 0.02;
 /// The error of albedos of noisy tables. An albedo is the sum of thousands of values, and more certain than any of
 /// them. The error falls with the fourth power of the noise; it is least where the noise is at least this fraction
@@ -34,15 +32,13 @@ inline double albedo_error_of_noise(double noise) {
     const double ratio = k_noise_of_least_albedo_error / noise, square = ratio * ratio;
     return std::clamp(square * square * k_albedo_error_of_noise, k_albedo_error_of_noise, k_albedo_error_with_pixels);
 }
-/// Upper limit of the loss that scales the cost of albedos: a fit that cannot follow the data gains nothing from an
-/// albedo that is right by chance.
+/// Upper limit of the loss that scales the cost of albedos: a bad fit gains nothing from an albedo right by chance.
 inline constexpr double k_max_albedo_loss = 0.004;
 /// Errors of albedos near the horizon are relative to at least this value: few pixels show them. With smaller
 /// values (0.3 to 0.5) ΔE_ITP rose.
 inline constexpr double k_horizon_albedo = 1;
 
-/// View by view: an error of 1 % in the radiances under all four lights of a view costs 1e-4 times this value in
-/// each of three channels.
+/// View by view: an error of 1 % in the radiances under a view's four lights costs 1e-4 times this in each channel.
 inline constexpr double k_lights_of_view = 12;
 /// View by view: the cost per solid angle of directions between the matrix's directions, relative to the latter.
 inline constexpr double k_between_views_directions = 0.1;
@@ -69,8 +65,7 @@ inline double luminance(const ObservedIntegral& integral) {
     return sum;
 }
 
-/// A pixel of a displayed picture, where 1 is white: Σ_i weight_i f(wl_i, wv_i), over the directions of its view
-/// from index `first` on.
+/// A pixel of a displayed picture, where 1 is white: Σ_i weight_i f(wl_i, wv_i) over its view's directions from `first`.
 struct ObservedPixel {
     std::size_t lighting = 0;  ///< index of the picture
     std::size_t first = 0;
@@ -99,8 +94,7 @@ struct Observations {
     std::vector<ObservedView> views;  ///< points of pictures, also matched by a fit in its last stages
     std::uint64_t masked = 0;         ///< number of sampled pairs where nothing was measured
     std::uint64_t clamped = 0;        ///< number of negative channel values at sampled pairs
-    /// Lower bound on the roughness of microfacet lobes (samples/observe_samples.h); 0: samples are dense, like those
-    /// of a table.
+    /// Lower bound on the roughness of microfacet lobes (`observe_samples.h`); 0: samples are as dense as a table's.
     double min_roughness = 0;
     std::vector<float> wavelengths;  ///< [nm] C wavelengths of spectral observations; otherwise empty
     std::vector<float> spectrum;     ///< f at each wavelength: observations × C [1/sr], ≥ 0
@@ -111,7 +105,7 @@ struct Observations {
     /// True if the channels of each colour are equal.
     bool is_grey() const;
     void add(Vec3f l, Vec3f v, const Rgb& value, double value_weight, std::span<const float> value_spectrum = {});
-    void append(const Observations& more);  ///< adds the pairs of `more`; spectra if this has wavelengths
+    void append(const Observations& added);  ///< appends its pairs; spectra if this has wavelengths
     void swap_rows(std::size_t i, std::size_t k);
     void shuffle(std::mt19937_64& random);
     void resize(std::size_t count);  ///< keeps the first `count`

@@ -16,18 +16,18 @@ constexpr std::size_t k_min_count = 1024, k_max_count = std::size_t(1) << 24;
 /// One horizon pair follows this many other pairs.
 constexpr std::size_t k_pairs_per_horizon_pair = 7;
 /// The pool of pairs is this many times as large as the observations, at most k_max_pairs.
-constexpr std::size_t k_pool = 8, k_max_pairs = std::size_t(1) << 20;
+constexpr std::size_t k_pool_factor = 8, k_max_pairs = std::size_t(1) << 20;
 /// This fraction is chosen with probability proportional to Σ w |f|², the rest uniformly (docs/fitting.md, Pairs).
-constexpr double k_by_energy = 0.5;
+constexpr double k_energy_fraction = 0.5;
 /// Number of pairs that one task evaluates.
-constexpr std::size_t k_part = 4096;
+constexpr std::size_t k_task_pairs = 4096;
 
 /// Evaluates f at the pairs `draw(i)`, i < count, and keeps those that exist and have a value, in order.
 template <typename DrawAt>
 Observations evaluate_pairs(const Evaluate& f, std::size_t count, int threads, const DrawAt& draw, Reporter& reporter) {
-    std::vector<Observations> parts(chunk_count(count, k_part));
-    parallel_for_chunks(count, k_part, threads, [&](std::size_t begin, std::size_t end) {
-        if (!reporter.advance("observing", double(k_part))) return;
+    std::vector<Observations> parts(chunk_count(count, k_task_pairs));
+    parallel_for_chunks(count, k_task_pairs, threads, [&](std::size_t begin, std::size_t end) {
+        if (!reporter.advance("observing", double(k_task_pairs))) return;
         std::vector<Vec3f> wl, wv;
         std::vector<double> weight;
         for (std::size_t i = begin; i < end; ++i)
@@ -38,7 +38,7 @@ Observations evaluate_pairs(const Evaluate& f, std::size_t count, int threads, c
             }
         std::vector<Rgb> values(wl.size());
         f(wl, wv, values);
-        Observations& kept = parts[begin / k_part];
+        Observations& kept = parts[begin / k_task_pairs];
         for (std::size_t i = 0; i < values.size(); ++i) {
             if (!is_finite(values[i])) {
                 ++kept.masked;
@@ -57,8 +57,7 @@ Observations evaluate_pairs(const Evaluate& f, std::size_t count, int threads, c
     return observations;
 }
 
-/// Returns the smoothed values, with negative ones set to 0. Adds the same increases to f, so that noise around a
-/// positive value keeps its mean.
+/// Returns the smoothed values with negative ones set to 0, and raises f as much, so that its noise keeps its mean.
 std::vector<Rgb> raise(std::span<Rgb> f, std::span<const Vec3f> wl, std::span<const Vec3f> wv,
                        const Evaluate& smoothed) {
     std::vector<Rgb> level(f.begin(), f.end());
@@ -83,7 +82,7 @@ Result<MeasuredPairs> measure_pairs(const Evaluate& f, double theta_max, const O
                           std::mt19937_64(options.seed));
     const std::size_t horizon_count = options.count / (k_pairs_per_horizon_pair + 1);
     const std::size_t count = options.count - horizon_count,
-                      pool_count = std::max(count, std::min(k_pool * count, k_max_pairs) / options.fewer);
+                      pool_count = std::max(count, std::min(k_pool_factor * count, k_max_pairs) / options.fewer);
     // Twice as many horizon pairs as needed, because not every draw is a pair with a measurement.
     Reporter reporter(progress, double(pool_count + 2 * horizon_count + draws.bound_pairs()));
     const auto evaluate = [&](std::size_t number, auto kind) {
@@ -115,7 +114,8 @@ Observations choose_pairs(const Observations& pool, std::span<const Rgb> level, 
     double sum = 0.5;  // rounds the number of chosen pairs to the nearest integer
     for (std::size_t i = 0; i < pool.f.size(); ++i) {
         const double energy_fraction = weight[i] * square_of(level[i]) / energy, uniform = 1 / size;
-        const double expected = double(count) * (k_by_energy * energy_fraction + (1 - k_by_energy) * uniform);
+        const double expected =
+            double(count) * (k_energy_fraction * energy_fraction + (1 - k_energy_fraction) * uniform);
         const double number = std::floor(sum + expected) - std::floor(sum);
         sum += expected;
         if (!(number > 0)) continue;

@@ -47,8 +47,7 @@ PictureLights make_lights() {
     return lights;
 }
 
-/// The frame of point i of the sphere's disc, relative to the viewer's, rotated about the normal by an angle that
-/// differs between points.
+/// The frame of point i of the sphere's disc, relative to the viewer's, rotated about the normal by the point's angle.
 Frame frame_of(std::size_t i, double theta_max) {
     const double r = std::sqrt((double(i) + 0.5) / double(k_views)) * elementary::sin(theta_max),
                  azimuth = k_golden_angle * double(i);

@@ -86,8 +86,7 @@ constexpr auto k_objectives = [] {
 }();
 
 /// The factor that turns the weighted square into the actual error, Σ_c (g(f_c) − g(f̂_c))² / Σ_c (f_c−f̂_c)² over the
-/// square of g's slope, for an objective whose weights hold for small errors only; otherwise 1. It is clamped to [1 /
-/// max, max].
+/// square of g's slope, in [1/max, max]; 1 for an objective whose weights hold for errors of any size.
 double large_error_weight(Objective objective, const Rgb& f, const Rgb& fitted, double typical, double cos_l,
                           double max) {
     const ObjectiveTraits& row = traits(objective);
@@ -137,11 +136,11 @@ double typical_value(Objective objective, std::span<const Vec3f> wl, std::span<c
 
 void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::span<const Vec3f> wv,
            std::span<const Rgb> f, std::span<double> weight, int threads) {
-    constexpr std::size_t k_part = 4096;
+    constexpr std::size_t k_chunk_pairs = 4096;
     const ObjectiveTraits& row = traits(objective);
     const std::vector<double> solid_angle(weight.begin(), weight.end());
     const auto fill = [&](auto& weights, const auto& weight_of) {
-        parallel_for_chunks(f.size(), k_part, threads, [&](std::size_t begin, std::size_t end) {
+        parallel_for_chunks(f.size(), k_chunk_pairs, threads, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i)
                 weights[i] = solid_angle[i] * weight_of(mean_of(f[i]), typical, double(wl[i].z), double(wv[i].z));
         });

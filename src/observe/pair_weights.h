@@ -22,17 +22,14 @@ struct ObjectiveTraits {
         double importance = 0;
     };
     std::array<FurtherWeight, 2> further{};  ///< a null `weight`: unused
-    /// The function g of an objective Σ (g(f) − g(f̂))², and its derivative. The weights, squares of the
-    /// derivative, hold for small errors only; `weigh_large_errors` corrects them elsewhere. Null: the weights hold
-    /// for errors of any size.
+    /// The function g of an objective Σ (g(f) − g(f̂))², and its derivative. The weights, squares of the derivative, hold
+    /// for small errors, and `weigh_large_errors` corrects them elsewhere. Null: they hold for errors of any size.
     double (*response)(double f, double typical, double cos_l) = nullptr;
     double (*response_slope)(double f, double typical, double cos_l) = nullptr;
     /// True for values over decades, where a sample on the flank of a peak determines its width. Lobes may be narrower
-    /// than the spacing of the samples, and between samples a fit follows microfacets (`FacetMixture`), not
-    /// interpolated values.
+    /// than the spacing of samples, between which a fit follows microfacets (`FacetMixture`), not interpolated values.
     bool is_for_scatter = false;
-    /// true if weights are relative to f cosθl, the radiance under a directional light; a fit then observes extended
-    /// lights too
+    /// true if weights are relative to f cosθl, the radiance under a directional light, and extended lights are observed
     bool uses_pictures = false;
 };
 const ObjectiveTraits& traits(Objective objective);

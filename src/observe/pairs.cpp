@@ -11,7 +11,7 @@ namespace {
 constexpr double k_grid_theta[] = {0,  2,  5,  10, 15, 20, 25, 30, 35, 40, 45,   50,  55,
                                    60, 65, 70, 75, 79, 82, 85, 87, 88, 89, 89.5, 89.9};
 /// Angles beyond the grid [degrees], where a lobe may still rise by any factor.
-constexpr double k_brink_theta[] = {89.99, 89.999};
+constexpr double k_grazing_theta[] = {89.99, 89.999};
 /// Light and view are never equal: there ψ of (1, −1) is undefined, and its direction changes abruptly nearby.
 constexpr double k_grid_phi[] = {0.5, 1,   3,   6,   10,  15,  20,  30,  40,  50,  60,  75, 90,
                                  105, 120, 130, 140, 150, 160, 165, 170, 174, 177, 179, 180};
@@ -20,7 +20,7 @@ constexpr double k_beside_normal = 0.25;
 /// This fraction of the views is uniform over the cap; the others are uniform in log cosθ.
 constexpr double k_uniform_views = 0.75;
 /// This fraction of the horizon pairs are nodes of the grid.
-constexpr double k_on_grid = 0.5;
+constexpr double k_grid_fraction = 0.5;
 
 /// The unit vector with the given z and azimuth.
 Vec3d direction(double z, double phi) {
@@ -50,9 +50,9 @@ std::vector<DirectionPair> horizon_grid() {
 
 std::vector<DirectionPair> grazing_grid() {
     std::vector<DirectionPair> grid;
-    add_grid(grid, k_brink_theta, k_brink_theta);
-    add_grid(grid, k_brink_theta, k_grid_theta);
-    add_grid(grid, k_grid_theta, k_brink_theta);
+    add_grid(grid, k_grazing_theta, k_grazing_theta);
+    add_grid(grid, k_grazing_theta, k_grid_theta);
+    add_grid(grid, k_grid_theta, k_grazing_theta);
     return grid;
 }
 
@@ -97,13 +97,13 @@ std::optional<DrawnPair> PairDraws::fitted(std::size_t i) const {
 
 std::optional<DrawnPair> PairDraws::horizon(std::size_t i) const {
     const auto u = horizon_points_.at(i);
-    if (u[0] < k_on_grid) return DrawnPair{grid_[std::size_t(u[0] / k_on_grid * double(grid_.size()))]};
+    if (u[0] < k_grid_fraction) return DrawnPair{grid_[std::size_t(u[0] / k_grid_fraction * double(grid_.size()))]};
     const double cos_horizon = elementary::cos(k_horizon_theta);
     const Vec3d edge = direction(cos_horizon + u[1] * (cos_max_ - cos_horizon), 2 * k_pi * u[2]);
     const Vec3d other = to_horizon_.sample(edge, u[3], u[4], u[5]);
     if (!to_horizon_.contains(other)) return std::nullopt;
     const Vec3f w_edge = to_float(edge), w_other = to_float(other);
-    return u[0] < (1 + k_on_grid) / 2 ? DrawnPair{{w_edge, w_other}} : DrawnPair{{w_other, w_edge}};
+    return u[0] < (1 + k_grid_fraction) / 2 ? DrawnPair{{w_edge, w_other}} : DrawnPair{{w_other, w_edge}};
 }
 
 std::size_t PairDraws::bound_pairs() const { return grid_.size() + mirror_pairs_ + grazing_.size(); }

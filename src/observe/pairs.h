@@ -7,8 +7,7 @@
 
 namespace SRBF_NAMESPACE {
 
-/// The angle from the normal up to which a fit is bounded, whatever its θmax. It is close to 90°, where f cosθl
-/// cosθv vanishes.
+/// The angle from the normal up to which a fit is bounded, whatever its θmax; at 90° f cosθl cosθv vanishes.
 inline constexpr double k_horizon_theta = 89.9 * k_degree;
 
 /// The golden angle π(3 − √5) [rad], rounded. Multiples of it spread evenly over all azimuths, whatever their number.
@@ -54,8 +53,7 @@ class ViewMixture {
     double cos_max_;
 };
 
-/// The pairs at which a table is observed, by index. There is no value if a direction is below the horizon or outside
-/// the cap.
+/// The pairs at which a table is observed, by index; none where a direction is below the horizon or outside the cap.
 class PairDraws {
   public:
     PairDraws(double theta_max, bool with_grazing_grid, std::size_t mirror_pairs, std::mt19937_64 random);

@@ -14,8 +14,7 @@ struct TabulateOptions {
     int threads = 0;  ///< number of threads; 0: all of the machine. The result does not depend on it
 };
 
-/// A BRDF at all pairs of n directions (the raw data of Tsai 2009, 12 n² bytes), and at further directions for each
-/// of them.
+/// A BRDF at all pairs of n directions (the raw data of Tsai 2009, 12 n² bytes), and at further directions of each.
 struct RawMatrix {
     Discretise discretise = Discretise::view;  ///< direction of a pair that is the sampled one in `between`
     std::vector<Vec3f> direction;              ///< n: the Fibonacci set of the whole hemisphere
@@ -32,8 +31,7 @@ struct RawMatrix {
     std::uint64_t clamped = 0;        ///< number of negative channel values in the matrix, set to 0
 };
 
-/// Evaluates `f`, which may be negative (see signed_value) or NaN. Returns an error if options are out of range, or if
-/// it is cancelled.
+/// Evaluates `f`, which may be negative or NaN. Returns an error if options are out of range, or if it is cancelled.
 Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options = {}, const ProgressToken& progress = {});
 
 }  // namespace

@@ -56,8 +56,8 @@ void SurfaceData::add_views(const Observations& observations, std::size_t n) {
 
 void SurfaceData::add_pairs(const Observations& observations, std::size_t n) {
     const std::size_t fitted = std::min(observations.fitted_count(), k_max_surface_pairs / n);
-    const auto append = [&](auto& column, const auto& all) {
-        column.insert(column.end(), all.begin(), all.begin() + std::ptrdiff_t(fitted));
+    const auto append = [&](auto& column, const auto& source) {
+        column.insert(column.end(), source.begin(), source.begin() + std::ptrdiff_t(fitted));
     };
     append(wl_, observations.wl), append(wv_, observations.wv);
     append(f_, observations.f), append(weight_, observations.weight);
@@ -125,10 +125,10 @@ void SurfaceData::add_pair_rows(const Outputs& outputs, const std::vector<Output
     for (std::size_t i = 0; i < f_.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c) {
             const double root = std::sqrt(weight_[i]);
-            const std::size_t at = output_index(first + i, c);
+            const std::size_t index = output_index(first + i, c);
             for (std::size_t p = 0; p < derivatives.size(); ++p)
-                row[Eigen::Index(p)] = root * double(derivatives[p][at]);
-            add_jacobian_row(row, root * double(outputs[at] - f_[i][int(c)]), H, g);
+                row[Eigen::Index(p)] = root * double(derivatives[p][index]);
+            add_jacobian_row(row, root * double(outputs[index] - f_[i][int(c)]), H, g);
         }
 }
 
@@ -151,7 +151,8 @@ void SurfaceData::add_pixel_rows(const Outputs& outputs, const std::vector<Outpu
                 add_jacobian_row(row, double(slopes.residual(component)[i % k_block]), H, g);
             }
     }
-    H *= fraction, g *= fraction;
+    H *= fraction;
+    g *= fraction;
 }
 
 }  // namespace

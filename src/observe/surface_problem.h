@@ -9,9 +9,8 @@
 
 namespace SRBF_NAMESPACE {
 
-/// The data of a fit, and its loss: the mean of ρ(ΔE_ITP) over pixels (see `Pixels`) plus Σ w |f − f̂|² over pairs,
-/// which are used if no pictures are observed or if they are added. The outputs of a model are the colours of pixels
-/// and the values at pairs.
+/// The data of a fit, and its loss: the mean of ρ(ΔE_ITP) over pixels (see `Pixels`) plus Σ w |f − f̂|² over pairs, if
+/// no pictures are observed or pairs are added. A model's outputs are the colours of pixels and the values at pairs.
 class SurfaceData {
   public:
     using Outputs = Aligned<float>;  ///< blocks with a column for each channel
@@ -108,8 +107,7 @@ struct SurfaceRound {
     int steps;
 };
 
-/// Improves the first candidates by Levenberg-Marquardt, and sorts them by their loss. `variables_of` returns the
-/// variables of a model.
+/// Improves the first candidates by Levenberg-Marquardt in the variables `variables_of(model)`, and sorts them by loss.
 template <typename Model, typename VariablesOf>
 void refine_candidates(std::vector<SurfaceCandidate<Model>>& candidates, const SurfaceRound& round,
                        const SurfaceData& data, const VariablesOf& variables_of, int threads) {

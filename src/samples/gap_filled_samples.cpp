@@ -14,8 +14,7 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// A value on which several g_i agree is more likely than one of a single g. It may exceed the samples by more than
-/// a fit may.
+/// A value on which several g_i agree is likelier than one of a single g, and may exceed the samples by more.
 constexpr double k_max_agreed = 1.8;
 
 /// The priors at a pair of directions, combined.
@@ -98,7 +97,7 @@ Result<std::array<GgxModel, k_max_ggx_lobes>> fit_priors(Objective objective, Ob
 }  // namespace
 
 Result<GapFilledSamples> fill_gaps(const ScatteredSamples& samples, double max_theta, int threads, bool is_single) {
-    const Observations observed = observations_of(samples, samples_within(samples, max_theta), true, false);
+    const Observations observed = observations_of(samples, samples_within(samples, max_theta), ExchangedSamples::added);
     GapFilledSamples filled;
     auto appearance_priors = fit_priors(Objective::appearance, observed, threads);
     if (!appearance_priors) return appearance_priors.error();

@@ -21,8 +21,7 @@ constexpr std::size_t k_gap_filled_pairs = 16384, k_fewer_of_gap_filled = 2;
 /// Pairs near the horizon (both directions beyond 66°) in each band of elevation: enough to cover the highlight.
 constexpr std::size_t k_grazing_bands = 8, k_pairs_of_band = 64, k_grazing_tried = 65536;
 constexpr double k_grazing_cos = 0.4;
-/// Fraction of Σ w |f|² for all bands. With less, lobes follow the values less closely; with more, they look worse
-/// elsewhere.
+/// Fraction of Σ w |f|² for all bands. With less, lobes follow the values less closely; with more, others look worse.
 constexpr double k_grazing_fraction = 0.6;
 /// The gap-filled samples are constant at the level of the largest sample, except for rounding.
 constexpr double k_level = 0.999;
@@ -118,8 +117,8 @@ double min_roughness(std::span<const Vec3f> wl, std::span<const Vec3f> wv) {
     return std::max(first, std::isfinite(second) ? second / 4 : 0);
 }
 
-Observations observations_of(const ScatteredSamples& samples, std::span<const std::size_t> which, bool add_exchanged,
-                             bool spectral) {
+Observations observations_of(const ScatteredSamples& samples, std::span<const std::size_t> which,
+                             ExchangedSamples exchanged, bool spectral) {
     Observations observations;
     if (spectral) observations.wavelengths = samples.wavelengths;
     const std::size_t C = observations.wavelengths.size();
@@ -131,7 +130,7 @@ Observations observations_of(const ScatteredSamples& samples, std::span<const st
         observations.clamped += std::uint64_t(spectral ? clamped_spectrum : clamped_colours);
         const double weight = samples.weight.empty() ? 1 : double(samples.weight[i]);
         observations.add(samples.wl[i], samples.wv[i], f, weight, spectrum);
-        if (add_exchanged) observations.add(samples.wv[i], samples.wl[i], f, weight, spectrum);
+        if (exchanged == ExchangedSamples::added) observations.add(samples.wv[i], samples.wl[i], f, weight, spectrum);
     }
     observations.min_roughness = min_roughness(observations.wl, observations.wv);
     return observations;
@@ -161,8 +160,8 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
     SampleObservations observed;
     observed.options = options;
     observed.options.max_theta = *theta_max;
-    const Observations once = observations_of(samples, within, false, options.spectral);
-    observed.samples = observations_of(samples, within, true, options.spectral);
+    const Observations once = observations_of(samples, within, ExchangedSamples::omitted, options.spectral);
+    observed.samples = observations_of(samples, within, ExchangedSamples::added, options.spectral);
     observed.samples.masked = samples.masked;
     observed.samples.objective = options.objective;
     observed.samples.typical = typical_value(options.objective, once.wl, once.wv, once.f, once.weight);

@@ -15,8 +15,7 @@ struct ObserveSamplesOptions {
     bool spectral = false;  ///< also observe the spectra of spectral samples, not only their colours
     bool fill_gaps = true;  ///< also observe the gap-filled samples, to which lobes are then fitted
     int threads = 0;        ///< number of threads; 0: all of the machine. The result does not depend on it
-    /// If not 0, a quick mode for fits of many files: only the samples filled by one prior, at this many pairs and
-    /// without views.
+    /// If not 0, a quick mode for fits of many files: only samples filled by one prior, at this many pairs, no views.
     std::size_t only_gap_filled = 0;
 };
 
@@ -28,18 +27,19 @@ std::vector<std::size_t> samples_within(const ScatteredSamples& samples, double 
 /// quarter of its peak, so that no peak is more than four times the value measured beside it. Where the peak itself
 /// is measured, the narrowest lobe has fallen to 0.4 % of it at the next sample.
 double min_roughness(std::span<const Vec3f> wl, std::span<const Vec3f> wv);
-/// The given samples with weight 1 and negative values set to 0. `add_exchanged` also adds each sample with light and
-/// viewer exchanged. `spectral` adds the spectra; negative values are then counted in spectra instead of colours.
-Observations observations_of(const ScatteredSamples& samples, std::span<const std::size_t> which, bool add_exchanged,
-                             bool spectral);
+/// Each sample with light and viewer exchanged is omitted, or added.
+enum class ExchangedSamples { omitted, added };
+/// The given samples with weight 1 and negative values set to 0. `spectral` adds the spectra; negative values are then
+/// counted in spectra instead of colours.
+Observations observations_of(const ScatteredSamples& samples, std::span<const std::size_t> which,
+                             ExchangedSamples exchanged, bool spectral = false);
 
 /// Samples prepared for fits. Each sample is observed twice: as it is, and with light and viewer exchanged.
 struct SampleObservations {
     ObserveSamplesOptions options;
     Observations samples;  ///< the samples within θmax
     /// The samples with gaps filled, in colours, observed like a table: by GGX, or by a `FacetMixture` for an objective
-    /// of scatter. The samples themselves are added with the same total weight, and pairs near the horizon. Empty if
-    /// gaps are not filled.
+    /// of scatter, with the samples at the same total weight, and pairs near the horizon. Empty if gaps are not filled.
     Observations gap_filled_table;
     std::optional<GapFilledSamples> gap_filled;  ///< the gap-filled samples that were observed
 };
@@ -47,9 +47,8 @@ struct SampleObservations {
 /// without spectra, or if it is cancelled.
 Result<SampleObservations> observe(const ScatteredSamples& samples, const ObserveSamplesOptions& options,
                                    const ProgressToken& progress = {});
-/// Fits parameterized multivariate SRBFs to the gap-filled samples, and coefficients of wavelengths to the samples.
-/// Returns an error as the `fit_pm` of fit_pm.h does, and if the samples have fewer values than the model has
-/// parameters.
+/// Fits lobes to the gap-filled samples, and coefficients of wavelengths to the samples. Returns an error if the
+/// `fit_pm` of fit_pm.h does, or if the samples have fewer values than the model has parameters.
 Result<PmFit> fit_pm(const SampleObservations& observations, const PmFitOptions& options,
                      const ProgressToken& progress = {});
 

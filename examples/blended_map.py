@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Masks of a surface that changes between materials, from which `srbf map` paints a map; with NumPy alone.
 
     python3 blended_map.py 1024x512 5 masks.npy

@@ -4,8 +4,7 @@
 #   NBRDF     a folder with `merl_nbrdf` and `rgl-isotropic_nbrdf`, archives of https://github.com/asztr/Neural-BRDF
 #   NPS-BRDF  the repository https://github.com/Rendering-at-ZJU/NPs-BRDF
 #   WORK      an empty folder
-# It needs Debian's pybind11-dev, python3-dev and python3-numpy. With pip's NumPy 2, install the Python package by
-# `pip install .` instead.
+# It needs Debian's pybind11-dev, python3-dev and python3-numpy, or with pip's NumPy 2 the package of `pip install .`.
 set -eu
 rgl=$1 nbrdf=$2 nps=$3 work=$4
 python=/usr/bin/python3

@@ -234,8 +234,7 @@ MODELS = {**{f"gtr-{count}-pictures": brdf_families.Lobes(classic_brdfs.Paramete
 
 
 def fit(brdf, name):
-    """Fits a model to a BRDF, and returns a function and a size as `classic_brdfs.fit` does. The loss of networks has all terms, that of
-    the other models only the pixels and pairs of GGX."""
+    """Returns what `classic_brdfs.fit` does. The loss of networks has all terms, that of others the pixels and pairs of GGX."""
     model, as_ggx = MODELS[name], not name.startswith("network")
     observations, coordinates = observe(brdf), classic_brdfs.Coordinates(model)
     few, all_ = (Loss(observations, every, model, coordinates, as_ggx) for every in (4, 1))

@@ -80,17 +80,16 @@ inline void require_unit(const Array& directions, const char* argument) {
                           std::to_string(w[i].x) + ", " + std::to_string(w[i].y) + ", " + std::to_string(w[i].z) + ")");
 }
 
-/// Calls body(first, count) for parts of n rows, on all threads if there are more than one part. For many rows,
-/// which take more than tens of milliseconds, Ctrl-C cancels.
+/// Calls body(first, count) for parts of n rows, on all threads if there are several. Ctrl-C cancels a million rows.
 template <typename Body> void for_parts(std::size_t n, const Body& body) {
-    constexpr std::size_t part = 1 << 14, many = 1 << 20;
+    constexpr std::size_t k_part_rows = 1 << 14, k_rows_to_cancel = 1 << 20;
     const auto run = [&](const ProgressToken& token) {
-        parallel_for_chunks(n, part, n > part ? 0 : 1, [&](std::size_t begin, std::size_t end) {
+        parallel_for_chunks(n, k_part_rows, n > k_part_rows ? 0 : 1, [&](std::size_t begin, std::size_t end) {
             if (!token.cancelled()) body(begin, end - begin);
         });
         return Done{};
     };
-    if (n > many) {
+    if (n > k_rows_to_cancel) {
         in_background(py::none(), run);
         return;
     }

@@ -51,8 +51,7 @@ class PyBrdf {
     bool isotropic() const {
         return std::visit([](const auto& brdf) { return is_isotropic(brdf); }, *content_);
     }
-    /// True if each value is interpolated among samples, slices or patches, which takes up to twelve times as long
-    /// as a lookup in a table or an evaluation of a model.
+    /// True if values are interpolated among samples, slices or patches: up to twelve times as slow as in a table.
     bool is_slow() const {
         if (!measured()) return false;
         const auto& table = measured()->table;

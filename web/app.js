@@ -6,8 +6,7 @@ const set_shown = (id, shown) => { $(id).hidden = !shown; }, hide = (...ids) => 
 
 // ---- The files of the folder -------------------------------------------------------------------------------------
 
-// A page opened from a disk may load scripts but not fetch data, so each file of `data` is a script that calls
-// srbf_given. The page in one file has them as texts.
+// A page from a disk may not fetch data, so each file of `data` is a script that calls srbf_given. The page in one file has texts.
 const k_max_bytes = 2 ** 28, requested = {}, page_parsed = new Promise((resolve) => document.addEventListener("DOMContentLoaded", resolve));
 window.srbf_given = (name, text) => requested[name].resolve(text);
 function load_data(name) {

@@ -21,8 +21,7 @@ SHADER = re.compile(r"<pre id='glsl-\d+'>(.*?)</pre>", re.S)
 
 
 def encode_differences(numbers, strides):
-    """Returns bytes of numbers of 16 bits: their differences to the numbers a stride before, for one stride after the other,
-    with the sign as the lowest bit. All low bytes precede the high ones."""
+    """Returns differences of 16-bit numbers, over each stride in turn, as bytes: the sign is the lowest bit, low bytes first."""
     for stride in reversed(strides):
         numbers = [number - (numbers[i - stride] if i >= stride else 0) & 0xFFFF for i, number in enumerate(numbers)]
     folded = [2 * delta if delta < 0x8000 else 2 * (0xFFFF - delta) + 1 for delta in numbers]

@@ -1,7 +1,7 @@
 // The page's worker. It reads, fits and writes, so that the page itself never waits. The text of this function is
 // self-contained. It receives { kind: "begin", id, module, studio, prepared }, compressed or as an earlier worker returned
-// them, and then { kind, id, .. } where kind names one of `actions`. It posts { id, result } or { id, error }; during a fit
-// also { progress, stage } and once { draft }, a first model.
+// them, and then { kind, id, .. } where kind names one of `actions`. It posts { id, result } or { id, error }, and
+// during a fit { progress, stage } and once { draft }, a first model.
 "use strict";
 function working() {
 "use strict";

@@ -1,5 +1,4 @@
-"""The library for Conan 2: `conan create packaging/conan`. What it links comes from Conan Center, or with
--o "srbf/*:system=True" from the system's packages."""
+"""The library for Conan 2: `conan create packaging/conan`. -o "srbf/*:system=True" links packages of the system."""
 import re
 from pathlib import Path
 

@@ -133,8 +133,8 @@ class Brdf:
         return self._native.pdf(*rows).reshape(shape)
 
     def albedo(self, cos_v: npt.ArrayLike) -> Array:
-        """Directional albedo [..., 3] of views with cosines `cos_v` [...] in (0, 1], averaged over azimuths. Accurate to 1 % or 0.002 for
-        smooth and glossy BRDFs."""
+        """Directional albedo [..., 3] of views with cosines `cos_v` [...] in (0, 1], averaged over azimuths. Accurate to 1 % or
+        0.002 for smooth and glossy BRDFs."""
         cosine = _numbers(cos_v, "cos_v", None)
         if not ((cosine > 0) & (cosine <= 1)).all():
             raise ValueError("cos_v: expected cosines in (0, 1]")

@@ -1,5 +1,4 @@
-"""The errors of pictures against independent implementations, if these are installed (`pip install flip-evaluator colour-science`):
-ꟻLIP by its authors, ΔE_ITP by colour-science."""
+"""ꟻLIP by its authors and ΔE_ITP by colour-science, if they are installed: `pip install flip-evaluator colour-science`."""
 import pathlib
 
 import numpy as np

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Checks materials of nodes in Blender's Cycles.
 
 The script that `srbf export --to blender` writes makes the materials of measurements, and Cycles draws a sphere of each. The script's

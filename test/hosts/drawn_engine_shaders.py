@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Runs the shaders for Unity and Godot 4 in OpenGL, with stand-ins for the engines' names. The engines themselves are not run.
 
 Checks:

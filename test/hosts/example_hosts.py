@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Runs the programs of examples/hosts.
 
 Each program draws spheres of the bundled materials under a directional light, by exported code or by a model. The picture

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Checks surfaces in the shader that MaterialX generates.
 
 The test fits a surface to measurements, writes it as MaterialX, and draws a sphere by the generated GLSL (ES 3.00) under

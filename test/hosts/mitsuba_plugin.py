@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Checks the plugin of examples/mitsuba in the variant scalar_rgb.
 
 The plugin is built with the installed library of PROGRAM's build, for the Mitsuba of this Python. Checks:
@@ -100,8 +99,7 @@ def relative_variance(bsdf, z):
 
 
 def check_samples(name, bsdf, wi):
-    """χ² of the samples' histogram against the density, and the mean of their weights against the integral of the value. Returns the mean
-    of all weights, those of beams included."""
+    """Checks samples by the density (χ²) and by the integral of the value. Returns the mean of all weights, with beams."""
     at, context = interaction(wi), mi.BSDFContext()
     drawn = [bsdf.sample(context, at, a, mi.Point2f(b, c)) for a, b, c in uniform_numbers(SAMPLES)]
     scattered = [(s, weight[1]) for s, weight in drawn if s.sampled_type in GLOSSY]

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Runs the code of README.md, of docs and of examples as a reader would, each page in a folder of its own.
 
 ```sh blocks are run by bash, in order; a ```text block is what the block before it prints, where `...` stands for anything; ```python

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Checks surfaces in Blender's Cycles.
 
 The test fits a surface to measurements and makes Blender's material by the script that `srbf export` writes. Cycles draws

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Compares our reading of BSDF XML with Radiance and with WINDOW's parser.
 
 The z axis of Radiance points to WINDOW's back, which is -z in our frame. The y axis points up in both programs.

@@ -48,7 +48,7 @@ class Page:
 
     def open(self, path, fragment=""):
         self.chromium.open(path, fragment)
-        self.chromium.run(Path(__file__).with_suffix(".js").read_text(encoding="utf-8"))
+        self.chromium.run(Path(__file__).with_suffix(".js").read_text(encoding="utf-8") + "; true")
 
     def call(self, function, *arguments):
         """Returns the result of a function of site.js."""
@@ -180,10 +180,6 @@ def click_ball(page, ball):
     page.wait(name, lambda state: state["name"] == name)
 
 
-def mean_difference(a, b):
-    return sum(abs(x - y) for x, y in zip(a, b)) / len(a)
-
-
 def check_layout(page):
     """Checks that edits and resets move nothing, and that there is a picture without black noise at every moment."""
     chromium = page.chromium
@@ -199,7 +195,7 @@ def check_layout(page):
             page.call("set_control", "hue", hue)
             chromium.settle()
             now, is_drawn = page.call("pixels", page.call("materials")[0])
-            is_calm = mean_difference(now, calm) < 0.1
+            is_calm = sum(abs(a - b) for a, b in zip(now, calm)) / len(calm) < 0.1
             check(is_drawn and is_calm, f"{width} pixels wide, hue {hue}: no picture, or noise")
             page.wait("an edit", lambda state: not state["is_busy"] and state["is_edited"] == (hue != 0))
             boxes = page.call("edited_state")["boxes"]

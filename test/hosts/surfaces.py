@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Checks files of surfaces in MaterialX and USD.
 
 The test fits a surface to a measurement and writes it for each program. Its validator must accept the file.

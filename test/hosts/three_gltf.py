@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Checks surfaces as glTF in three.js.
 
 The test fits a surface to measurements and writes it as binary glTF. three.js (MeshPhysicalMaterial) draws a sphere of it

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Checks the two materials for three.js in Chromium: that for WebGLRenderer (release 187) and that for WebGPURenderer (release 185).
 
 Both draw spheres of the film and the paper. Checks:
@@ -33,7 +32,7 @@ RENDERERS = {"WebGLRenderer": ("three", SWIFTSHADER, ("module", "core"), {"three
                                 {"three/webgpu": "./three.webgpu.js", "three/tsl": "./three.tsl.js"})}
 ENVIRONMENTS = {"studio": 8, "lobby": 3, "sunset": 3}  # and the ΔE_ITP against path tracing
 LIGHTS = {"lamps": 0.01, "rectangle": 2, "ambient": 0.01}  # and the ΔE_ITP between the renderers; their lobes differ
-OTHERS = {"cube": 1, "map": 30}  # textures that hold the studio, and how far pictures may be from those by the equirectangular one
+STUDIO_TEXTURES = {"cube": 1, "map": 30}  # and the ΔE_ITP between pictures by these and by the equirectangular one
 _, data, _ = arguments()
 
 
@@ -107,9 +106,10 @@ with tempfile.TemporaryDirectory() as name:
                     standard, ours = (milliseconds(browser, name, light) for name in ("standard", "ours"))
                     print(f"     {material}, {renderer}, {light}: {ours:.0f} ms, {ours / standard:.1f} times as long as "
                           "MeshStandardMaterial", flush=True)
-                for other, most in OTHERS.items() if kind == "three-webgpu" else []:
-                    difference = delta_e(picture(browser, f"drawn('ours', '{other}')", SIZE)[inside], pictures[renderer, "studio"][inside])
-                    expect(difference < most, f"{material}, {renderer}, studio: by a {other} {difference:.2f}")
+                for texture, most in STUDIO_TEXTURES.items() if kind == "three-webgpu" else []:
+                    shown = picture(browser, f"drawn('ours', '{texture}')", SIZE)
+                    difference = delta_e(shown[inside], pictures[renderer, "studio"][inside])
+                    expect(difference < most, f"{material}, {renderer}, studio: by a {texture} {difference:.2f}")
                 browser.run("loaded()")
                 for shown in ("other", "saved", "loaded"):
                     pictures[renderer, shown] = picture(browser, f"drawn('{shown}', 'lamps')", SIZE)

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """A sphere of a measured material under a lamp, by the shader that MaterialX generates: sphere.py material.glsl PICTURE.npy
 
 Needs materialx, moderngl and numpy of PyPI, and OpenGL. The GLSL is written by

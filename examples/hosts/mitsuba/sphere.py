@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """A sphere of a measured material under a lamp of Mitsuba 3: sphere.py material.srbf PICTURE.npy
 
 Needs mitsuba and numpy of PyPI, and the Python package srbf.

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """A sphere of a measured material under a lamp of Radiance: sphere.py material.cal PICTURE.npy
 
 Needs pyradiance, which has Radiance's programs, and numpy of PyPI. The functions are written by

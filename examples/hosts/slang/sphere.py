@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """A sphere of a measured material under a lamp, by Slang: sphere.py material.hlsl PICTURE.npy [DEVICE [SLOPES.npy]]
 
 Needs slangpy and numpy of PyPI. DEVICE is one of slangpy's, cpu by default, which needs a C++ compiler. SLOPES are the

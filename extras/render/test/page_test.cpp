@@ -67,12 +67,6 @@ Page all_kinds() {
     return page;
 }
 
-std::size_t count(const std::string& text, std::string_view what) {
-    std::size_t n = 0;
-    for (std::size_t at = 0; (at = text.find(what, at)) != text.npos; at += what.size()) ++n;
-    return n;
-}
-
 TEST(Page, HoldsItsShadersAndLoadsNothing) {
     const Page page = all_kinds();
     const std::string html = page_html(page);
@@ -83,33 +77,33 @@ TEST(Page, HoldsItsShadersAndLoadsNothing) {
         EXPECT_LACKS(html, outside);
     EXPECT_LACKS(html, "<every>");
     EXPECT_LACKS(html, "{{");
-    EXPECT_EQ(count(html, "<canvas"), page.materials.size() + 1);  // and the difference of the first two
-    EXPECT_EQ(count(html, "<svg class="), k_slice_theta.size());
-    EXPECT_EQ(count(html, "<script"), 2u);
-    EXPECT_EQ(count(html, "</script>"), 2u);
+    EXPECT_EQ(count_of(html, "<canvas"), page.materials.size() + 1);  // and the difference of the first two
+    EXPECT_EQ(count_of(html, "<svg class="), k_slice_theta.size());
+    EXPECT_EQ(count_of(html, "<script"), 2u);
+    EXPECT_EQ(count_of(html, "</script>"), 2u);
     // Without a picture the plots and the table remain.
     Page blind = page;
     for (PageMaterial& shown : blind.materials) shown.material.reset();
     const std::string plots = page_html(blind);
-    EXPECT_EQ(count(plots, "<figure"), 0u);
-    EXPECT_EQ(count(plots, "<svg class="), k_slice_theta.size());
+    EXPECT_EQ(count_of(plots, "<figure"), 0u);
+    EXPECT_EQ(count_of(plots, "<svg class="), k_slice_theta.size());
     EXPECT_LT(plots.size(), html.size());
     // A page with one material has no buttons to choose, and no difference picture.
     Page one = page;
     one.materials.resize(1);
     one.table[0].cells.resize(1);
     const std::string single = page_html(one);
-    EXPECT_EQ(count(single, "<canvas"), 1u);
-    EXPECT_EQ(count(single, "<button type='button' data-show"), 0u);
-    EXPECT_EQ(count(single, "material differs"), 0u);
+    EXPECT_EQ(count_of(single, "<canvas"), 1u);
+    EXPECT_EQ(count_of(single, "<button type='button' data-show"), 0u);
+    EXPECT_EQ(count_of(single, "material differs"), 0u);
     // The user's own mesh is selected first.
-    EXPECT_EQ(count(html, "<select name=\"mesh\"><option value=\"own\">&lt;own&gt;</option>"), 1u);
+    EXPECT_EQ(count_of(html, "<select name=\"mesh\"><option value=\"own\">&lt;own&gt;</option>"), 1u);
     Page built_in = one;
     built_in.mesh.reset();
-    EXPECT_EQ(count(page_html(built_in), "<select name=\"mesh\"><option value=\"ball\">"), 1u);
+    EXPECT_EQ(count_of(page_html(built_in), "<select name=\"mesh\"><option value=\"ball\">"), 1u);
     // Only a material that transmits light has the light behind.
-    EXPECT_EQ(count(html, "name='behind'"), 1u);
-    EXPECT_EQ(count(single, "name='behind'"), 0u);
+    EXPECT_EQ(count_of(html, "name='behind'"), 1u);
+    EXPECT_EQ(count_of(single, "name='behind'"), 0u);
 }
 
 /// The points of the drawing's curves.
@@ -271,8 +265,8 @@ TEST(Slices, BothSidesAreDrawnAroundTheCircle) {
     page.materials.push_back({"shade", "kind", {}, f, true, ""});
     page.table.push_back({"bytes", "", {"1"}});
     const std::string html = page_html(page);
-    EXPECT_EQ(count(html, "<svg class='slice lobes'"), k_slice_theta.size() + k_slice_theta_behind.size());
-    EXPECT_EQ(count(html, "all around"), 1u);
+    EXPECT_EQ(count_of(html, "<svg class='slice lobes'"), k_slice_theta.size() + k_slice_theta_behind.size());
+    EXPECT_EQ(count_of(html, "all around"), 1u);
 }
 
 TEST(Charts, AreLogarithmicInBothDirections) {
@@ -292,7 +286,7 @@ TEST(Charts, AreLogarithmicInBothDirections) {
                       (curves[0][0][std::size_t(axis)] + curves[0][2][std::size_t(axis)]) / 2, 0.11);
     EXPECT_LT(curves[0][0][0], curves[0][2][0]);
     EXPECT_LT(curves[0][0][1], curves[0][2][1]);  // y goes downwards
-    EXPECT_EQ(count(svg, "<circle"), 4u);         // of the second, what can be shown
+    EXPECT_EQ(count_of(svg, "<circle"), 4u);      // of the second, what can be shown
     for (const char* label : {">0.1 %<", ">1 %<", ">10 %<", ">16<"}) EXPECT_CONTAINS(svg, label);
 }
 

@@ -29,14 +29,14 @@ function(use_precompiled_headers target as)
   else()
     target_precompile_headers(${target} REUSE_FROM ${as})
   endif()
-  set_target_properties(${target} PROPERTIES PCH_WARN_INVALID OFF)  # a file with other options reads the headers as text
+  set_target_properties(${target} PROPERTIES PCH_WARN_INVALID OFF)  # other options: read as text
 endfunction()
 # Code that reads arguments or writes text, and tests, compile at -O1: -O3 takes half as long again and makes them no
 # faster. Code with sanitizers takes twice as long to compile with optimisation, so only inner loops are optimised.
 set(SRBF_QUICKLY_COMPILED $<$<CONFIG:Release>:-O1>)
 set(SRBF_COMPILED_FOR_SPEED)
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL "wasm32")
-  set(SRBF_QUICKLY_COMPILED -Oz)  # a page has to be small; CMakeLists.txt lists the slow computations (`wasm_fast_sources`)
+  set(SRBF_QUICKLY_COMPILED -Oz)  # a page has to be small; `wasm_fast_sources` of CMakeLists.txt are the exception
 endif()
 if(SRBF_SANITIZE)
   set(SRBF_QUICKLY_COMPILED -O0)
@@ -49,7 +49,8 @@ set(sanitizers address,undefined)
 if(SRBF_SANITIZE)
   set(sanitizers ${SRBF_SANITIZE})
 endif()
-target_compile_options(srbf_sanitized INTERFACE -fsanitize=${sanitizers} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+target_compile_options(srbf_sanitized INTERFACE -fsanitize=${sanitizers} -fno-sanitize-recover=all
+                       -fno-omit-frame-pointer)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # Checks of each access through a pointer take a third of the compile time. AddressSanitizer detects null pointers
   # and small objects anyway, there are hardly any virtual functions, and the fuzzers, which clang compiles, check

@@ -26,8 +26,8 @@ function(embed_texts header)
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/${header} CONTENT "${texts}}  // namespace srbf\n" @ONLY)
 endfunction()
 
-# write_extras_table(HEADER FILE NOUN TYPE INCLUDE): writes a header with the array k_extra_NOUN of all k_NAME_NOUN in the
-# FILEs of extras. INCLUDE has TYPE.
+# write_extras_table(HEADER FILE NOUN TYPE INCLUDE): writes a header with the array k_extra_NOUN of all k_NAME_NOUN in
+# the FILEs of extras. INCLUDE has TYPE.
 function(write_extras_table header file noun type include)
   set(includes "#include \"${include}\"\n")
   set(names "")
@@ -51,8 +51,8 @@ inline constexpr std::array<std::span<const @type@>, @count@> k_extra_@noun@{@na
 ")
 endfunction()
 
-# write_function_table(HEADER TYPE NAME INCLUDE FUNCTION..): writes a header with the array NAME of these functions. TYPE
-# has %s for its name.
+# write_function_table(HEADER TYPE NAME INCLUDE FUNCTION..): writes a header with the array NAME of these functions.
+# TYPE has %s for its name.
 function(write_function_table header type name include)
   set(declarations "")
   set(names "")

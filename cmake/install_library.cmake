@@ -5,7 +5,8 @@ include(GNUInstallDirs)
 function(install_if_built file folder component)
   install(FILES ${file} DESTINATION ${folder} COMPONENT ${component} OPTIONAL)
   install(CODE "if(NOT EXISTS \"${file}\")
-  message(STATUS \"Left out: ${file}. To have it, type: cmake --build ${PROJECT_BINARY_DIR}\")\nendif()" COMPONENT ${component})
+  message(STATUS \"Left out: ${file}. To have it, type: cmake --build ${PROJECT_BINARY_DIR}\")\nendif()"
+          COMPONENT ${component})
 endfunction()
 if(DEFINED SRBF_SOURCES)  # a build with compiled sources of libraries; for WebAssembly ./run site makes the page
   install(CODE "message(FATAL_ERROR \"here only the program is installed: --component program\")" COMPONENT development)

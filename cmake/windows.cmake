@@ -12,6 +12,7 @@ set(CMAKE_MODULE_PATH ${CMAKE_CURRENT_LIST_DIR}/sources)
 get_filename_component(SRBF_SOURCES ${CMAKE_CURRENT_LIST_DIR}/../build/sources ABSOLUTE)
 find_program(wine NAMES wine64 wine PATHS /usr/lib/wine)
 set(CMAKE_CROSSCOMPILING_EMULATOR ${wine})
-set(CMAKE_EXE_LINKER_FLAGS_INIT "-static -Wl,--stack,8388608")  # without shared libraries of GCC, and with a stack as large as on Linux
-# GCC does not align vectors of 32 bytes on the stack of Windows (its bug 54412), so their moves must not need alignment.
+# Programs need no shared libraries of GCC, and have a stack as large as on Linux.
+set(CMAKE_EXE_LINKER_FLAGS_INIT "-static -Wl,--stack,8388608")
+# GCC does not align vectors of 32 bytes on the stack of Windows (its bug 54412), so their moves need no alignment.
 set(CMAKE_CXX_FLAGS_INIT -Wa,-muse-unaligned-vector-move)

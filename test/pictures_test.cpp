@@ -1,9 +1,7 @@
 // Pictures of a sphere and their differences.
 #include "errors/sphere.h"
 
-#include <algorithm>
-#include <limits>
-
+#include "brdf_functions.h"
 #include "errors/picture_errors.h"
 #include "properties.h"
 #include "srbf/metrics.h"
@@ -11,17 +9,12 @@
 namespace srbf::pictures_test {
 namespace {
 
-Evaluate lambert(const Rgb& f) {
-    return [f](std::span<const Vec3f>, std::span<const Vec3f>, std::span<Rgb> values) { std::ranges::fill(values, f); };
-}
 /// A highlight of this bandwidth about the mirror direction on a dark body.
 Evaluate glossy(double bandwidth) {
-    return [bandwidth](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-        for (std::size_t i = 0; i < f.size(); ++i) {
-            const double lobe = std::exp(bandwidth * (double(dot(wl[i], mirror(wv[i]))) - 1));
-            f[i] = {float(0.02 + lobe), float(0.03 + lobe), float(0.05 + lobe)};
-        }
-    };
+    return pairwise([bandwidth](Vec3f wl, Vec3f wv) {
+        const double lobe = std::exp(bandwidth * (double(dot(wl, mirror(wv))) - 1));
+        return Rgb{float(0.02 + lobe), float(0.03 + lobe), float(0.05 + lobe)};
+    });
 }
 
 constexpr float k_white = 1 / float(k_pi);
@@ -30,7 +23,7 @@ const Lighting k_uniform{"uniform", {1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {}};
 TEST(Pictures, UniformLightShowsTheAlbedo) {
     // In uniform light a pixel is the directional albedo at its angle.
     for (const auto& [brdf, tolerance] :
-         {std::pair(lambert({k_white, k_white / 2, 0}), 0.025), {glossy(30), 0.02}, {glossy(3000), 0.05}}) {
+         {std::pair(constant_brdf({k_white, k_white / 2, 0}), 0.025), {glossy(30), 0.02}, {glossy(3000), 0.05}}) {
         const Evaluate brdfs[] = {brdf};
         const Image image = sphere_pictures(brdfs, {&k_uniform, 1})[0][0];
         for (const int x : {32, 44, 56, 61}) {
@@ -46,7 +39,7 @@ TEST(Pictures, UniformLightShowsTheAlbedo) {
 TEST(Pictures, ADistantLightShowsTheBrdfItself) {
     const Vec3d l = normalize(Vec3d{-0.5, 0.5, 0.7});
     const Lighting light{"light", {}, {}, {}, {{l, 0, {2, 2, 2}}}};
-    const Evaluate brdfs[] = {lambert({0.25f, 0.5f, 1})};
+    const Evaluate brdfs[] = {constant_brdf({0.25f, 0.5f, 1})};
     const Image image = sphere_pictures(brdfs, {&light, 1})[0][0];
     for (int y = 0; y < 64; ++y)
         for (int x = 0; x < 64; ++x) {
@@ -95,18 +88,15 @@ TEST(Pictures, IsotropicBrdfsMayShareValues) {
 }
 
 TEST(Pictures, PointsWithoutMeasurementAreBlackInBoth) {
-    const Evaluate holey = [](std::span<const Vec3f> wl, std::span<const Vec3f>, std::span<Rgb> f) {
-        const float nan = std::numeric_limits<float>::quiet_NaN();
-        for (std::size_t i = 0; i < f.size(); ++i) f[i] = wl[i].z < 0.5f ? Rgb{nan, nan, nan} : Rgb{1, 1, 1};
-    };
-    const Evaluate others[] = {lambert({1, 1, 1})};
+    const Evaluate holey = pairwise([](Vec3f wl, Vec3f) { return grey(wl.z < 0.5f ? NAN : 1); });
+    const Evaluate others[] = {constant_brdf({1, 1, 1})};
     const Appearance same = compare_pictures(holey, others)[0];
     EXPECT_LE(same.mean.delta_e, 1e-3);
     EXPECT_LE(same.mean.rms, 1e-6);
 }
 
 TEST(Pictures, ErrorsAreZeroForTheSameBrdfAndGrowWithTheDifference) {
-    const Evaluate others[] = {glossy(40), glossy(44), glossy(60), lambert({0.3f, 0.3f, 0.3f})};
+    const Evaluate others[] = {glossy(40), glossy(44), glossy(60), constant_brdf({0.3f, 0.3f, 0.3f})};
     const auto all = compare_pictures(glossy(40), others);
     EXPECT_EQ(all[0].mean.delta_e, 0);
     EXPECT_EQ(all[0].mean.flip, 0);
@@ -123,14 +113,12 @@ TEST(Pictures, ErrorsAreZeroForTheSameBrdfAndGrowWithTheDifference) {
 }
 
 TEST(Pictures, OnlyBrightnessRelativeToTheReferenceMatters) {
-    const auto scaled = [](double by) {
-        return Evaluate([by](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-            glossy(40)(wl, wv, f);
-            for (Rgb& c : f) c = {float(by) * c.r, float(by) * c.g, float(by) * c.b};
-        });
+    const auto brightened = [](float factor) {
+        return with_values(glossy(40), [factor](const Rgb& f) { return scaled(factor, f); });
     };
-    const Evaluate one[] = {scaled(1.1)}, hundred[] = {scaled(110)};
-    const Appearance a = compare_pictures(scaled(1), one)[0], b = compare_pictures(scaled(100), hundred)[0];
+    const Evaluate tenth_more[] = {brightened(1.1f)}, tenth_more_of_100[] = {brightened(110)};
+    const Appearance a = compare_pictures(brightened(1), tenth_more)[0],
+                     b = compare_pictures(brightened(100), tenth_more_of_100)[0];
     EXPECT_WITHIN(a.mean.delta_e, b.mean.delta_e, 1e-3);
     EXPECT_WITHIN(a.mean.rms, 0.1, 1e-5);
     EXPECT_WITHIN(b.mean.rms, 0.1, 1e-5);

@@ -45,11 +45,6 @@ std::vector<Pair> random_pairs(std::mt19937_64& random, int count) {
 class Prepared : public testing::Test {
   protected:
     std::mt19937_64 random_{1};
-    float draw() { return std::min(float(uniform(random_)), 0x1.fffffep-1f); }
-    Vec3f draw3() {
-        const float a = draw(), b = draw(), c = draw();
-        return {a, b, c};
-    }
 };
 class PreparedOn : public Prepared, public testing::WithParamInterface<Target> {
   protected:
@@ -88,9 +83,9 @@ std::vector<AnyBrdf> all_kinds() {
 /// Pairs with a direction that is not above the horizon. If `two_sided`, that direction is on neither side of the
 /// surface.
 std::vector<Pair> pairs_without_value(bool two_sided) {
-    constexpr float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
-    std::vector<Vec3f> invalid{{nan, nan, nan}, {nan, 0, 1}, {0, nan, 1}, {0, 0, nan},  {1, 0, nan},   {inf, 0, 1},
-                               {0, -inf, 1},    {0, 0, inf}, {1, 0, 0},   {1, 0, -0.f}, {1, 0, 1e-40f}};
+    std::vector<Vec3f> invalid{{NAN, NAN, NAN}, {NAN, 0, 1},      {0, NAN, 1},       {0, 0, NAN},
+                               {1, 0, NAN},     {INFINITY, 0, 1}, {0, -INFINITY, 1}, {0, 0, INFINITY},
+                               {1, 0, 0},       {1, 0, -0.f},     {1, 0, 1e-40f}};
     if (!two_sided) invalid.push_back({0.6f, 0, -0.8f}), invalid.push_back({1, 0, -1e-40f});
     std::vector<Pair> pairs;
     for (const Vec3f& w : invalid)
@@ -147,7 +142,7 @@ TEST_F(Prepared, EvaluatorsReturnZeroForInvalidDirections) {
             }
         }
         expect_black(evaluator(front), "prepared arrays");
-        EXPECT_EQ(albedo(front, std::numeric_limits<float>::quiet_NaN()), Rgb());
+        EXPECT_EQ(albedo(front, NAN), Rgb());
         const auto expect_dark = [&](const Channels& channels) {
             std::vector<float> f(channels.count() * wl.size(), 1);
             channels.evaluate(wl, wv, f);
@@ -264,7 +259,7 @@ TEST_P(PreparedOn, AlbedoIsTheIntegral) {
         EXPECT_WITHIN(albedo(grey, z).b, 1, 4e-3) << z;
     }
     EXPECT_EQ(albedo(grey, 0), Rgb{});
-    EXPECT_EQ(albedo(grey, std::numeric_limits<float>::quiet_NaN()), Rgb{});
+    EXPECT_EQ(albedo(grey, NAN), Rgb{});
 }
 
 /// The albedos of a film and of white paper change rapidly at grazing angles.
@@ -308,7 +303,7 @@ TEST_F(Prepared, ABrdfOfAnyTypeIsOwned) {
         for (const auto& [l, v] : random_pairs(random_, 200)) EXPECT_EQ(value(brdf, l, v), value(reference, l, v));
         const Vec3f wv = to_float(spherical(0.5, 0.0));
         for (int i = 0; i < 4000; ++i) {
-            const Vec3f u = draw3();
+            const Vec3f u = uniform_point(random_);
             mean += double(sample(brdf, wv, {u.x, u.y}, u.z).weight.g) / 4000;
         }
         EXPECT_WITHIN(mean, albedo(brdf, wv.z).g, 0.03);
@@ -318,11 +313,7 @@ TEST_F(Prepared, ABrdfOfAnyTypeIsOwned) {
 TEST_P(PreparedOn, BatchesAgreeWithTheModel) {
     for (const bool axial : {true, false}) {
         const PmModel model = random_model(random_, {.axial = axial, .lobes = 11, .form = PmForm::extended});
-        std::vector<Vec3f> wl, wv;
-        for (const auto& [l, v] : random_pairs(random_, 100)) {
-            wl.push_back(l);
-            wv.push_back(v);
-        }
+        const auto [wl, wv] = to_arrays(random_pairs(random_, 100));
         std::vector<Rgb> model_values(wl.size()), prepared_values(wl.size());
         evaluate(model, wl, wv, model_values);
         evaluator(prepare(Model{model, {}}, CosineProposal{}))(wl, wv, prepared_values);
@@ -353,7 +344,7 @@ TEST_F(Prepared, CopiesOutliveTheirSources) {
                 EXPECT_EQ(both.value, f);
                 EXPECT_EQ(both.pdf, pdf(model, l, v));
                 if (!(v.z > 0)) continue;
-                const Vec3f u = draw3();
+                const Vec3f u = uniform_point(random_);
                 const LightSample prepared_sample = sample(model, v, {u.x, u.y}, u.z),
                                   reference_sample = sample(reference, proposal, v, {u.x, u.y}, u.z);
                 EXPECT_EQ(prepared_sample.pdf, reference_sample.pdf);
@@ -394,7 +385,7 @@ TEST_F(Prepared, IsBlackByDefault) {
             EXPECT_EQ(value(black, l, v), Rgb());
             EXPECT_EQ(pdf(black, l, v), 0);
             EXPECT_EQ(value_pdf(black, l, v).pdf, 0);
-            const Vec3f u = draw3();
+            const Vec3f u = uniform_point(random_);
             const LightSample light = sample(black, v, {u.x, u.y}, u.z);
             EXPECT_EQ(light.pdf, 0);
             EXPECT_EQ(light.weight, Rgb());
@@ -459,7 +450,7 @@ TEST_P(PreparedOn, DensityAndSamplesAgreeWithTheKernel) {
             const MixtureProposal proposal = random_mixture(random_, is_grain);
             int different = 0;
             for (int n = 0; n < 2000; ++n) {
-                const Vec3f wv = to_float(random_direction(random_, 0.02)), u = draw3();
+                const Vec3f wv = to_float(random_direction(random_, 0.02)), u = uniform_point(random_);
                 const Vec3d v = to_double(wv);
                 const auto weight = numbers_at(proposal, double(wv.z));
                 const double stretch = weight[MixtureProposal::k_lobes], power = weight[MixtureProposal::k_lobes + 1];
@@ -508,7 +499,7 @@ TEST_P(PreparedOn, SamplesAndDensityAgree) {
     std::array<int, std::variant_size_v<Proposal>> directions{};
     for (const PreparedBrdf& brdf : prepared_files())
         for (int i = 0; i < 1000; ++i) {
-            const Vec3f wv = to_float(random_direction(random_, 0)), u = draw3();
+            const Vec3f wv = to_float(random_direction(random_, 0)), u = uniform_point(random_);
             const LightSample light = sample(brdf, wv, {u.x, u.y}, u.z);
             if (!(light.pdf > 0)) continue;
             ++directions[proposal(brdf).index()];

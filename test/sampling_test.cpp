@@ -2,8 +2,11 @@
 #include "srbf/sampling.h"
 #include "sampling/mixture.h"
 
+#include <fmt/format.h>
+
 #include <map>
 
+#include "brdf_functions.h"
 #include "models.h"
 #include "models/ggx/ggx_kind.h"
 #include "models/pm/search/fit_pm.h"
@@ -19,6 +22,7 @@ namespace srbf::sampling_test {
 namespace {
 
 constexpr double k_thetas[] = {0, 30, 60, 80};
+constexpr int k_samples = 20000;  // of a statistical test
 
 std::array<float, MixtureProposal::k_lobes> weights_of(const MixtureProposal& proposal, std::size_t node) {
     std::array<float, MixtureProposal::k_lobes> weight;
@@ -97,11 +101,6 @@ class Sampling : public testing::Test {
         if (materials().size() < 8) std::puts("Only the bundled measurements: set SRBF_DATA for more of them.");
     }
     std::mt19937_64 random{5};
-    float draw() { return std::min(float(uniform(random)), 0x1.fffffep-1f); }
-    Vec3f draw3() {
-        const float a = draw(), b = draw(), c = draw();
-        return {a, b, c};
-    }
 };
 
 /// The density of the half vector h between wl and wv if wl has the density of the proposal.
@@ -111,6 +110,27 @@ double half_vector_density(const Proposal& proposal, Vec3d h, Vec3f wv) {
     return 4 * cosine * double(pdf(proposal, to_float(2 * cosine * h - to_double(wv)), wv));
 }
 Vec3d half_vector(Vec3f wl, Vec3f wv) { return normalize(to_double(wl) + to_double(wv)); }
+
+struct SampledFractions {
+    double integral;  ///< of the density
+    double lost;      ///< samples below the horizon
+};
+/// Expects that samples of the proposal, with those that are lost, follow its density.
+SampledFractions expect_samples_follow(const Proposal& proposal, Vec3f wv, std::mt19937_64& random, double significance,
+                                       int steps = 32) {
+    const PolarBins bins = half_vector_bins();
+    const auto density = [&](Vec3d h) { return half_vector_density(proposal, h, wv); };
+    std::vector<double> expected = bins.integrals(density, steps), observed(bins.size() + 1);
+    for (int i = 0; i < k_samples; ++i) {
+        const Vec3f wl = sample(proposal, wv, uniform_point(random));
+        observed[wl.z > 0 ? bins.index(half_vector(wl, wv)) : bins.size()] += 1;
+    }
+    const double integral = sum_of(expected);
+    for (double& mass : expected) mass *= k_samples;
+    expected.push_back(k_samples * std::max(0.0, 1 - integral));
+    EXPECT_GT(chi2_p_value(observed, expected), significance);
+    return {integral, observed.back() / k_samples};
+}
 
 /// The relative variance of f cosθl / pdf at θv [degrees].
 double variance(const Evaluate& brdf, const Proposal& proposal, double theta) {
@@ -143,28 +163,13 @@ std::vector<Model> surfaces() {
 TEST_F(Sampling, SamplesFollowDensitiesThatIntegrateToOne) {
     const int tests = (int(materials().size()) * 5 + int(surfaces().size())) * int(std::size(k_thetas));
     const double significance = sidak(0.01, tests);
-    constexpr int count = 20000;
-    const PolarBins bins = half_vector_bins();
     const auto check = [&](const std::string& name, const Evaluate&, const Proposal& proposal) {
         for (const double theta : k_thetas) {
+            SCOPED_TRACE(fmt::format("{} {}", name, theta));
             const Vec3f wv = to_float(spherical(theta * k_degree, 0.7));
-            std::vector<double> expected =
-                bins.integrals([&](Vec3d h) { return half_vector_density(proposal, h, wv); });
-            std::vector<double> observed(bins.size() + 1);
-            for (int i = 0; i < count; ++i) {
-                const Vec3f wl = sample(proposal, wv, draw3());
-                observed[wl.z > 0 ? bins.index(half_vector(wl, wv)) : bins.size()] += 1;
-            }
-            double total_mass = 0;
-            for (double& mass : expected) {
-                total_mass += mass;
-                mass *= count;
-            }
-            const double lost = observed.back() / count;
+            const auto [integral, lost] = expect_samples_follow(proposal, wv, random, significance);
             // The fraction of samples that are lost has its own statistical error. For most it is 0.
-            EXPECT_WITHIN(total_mass + lost, 1, 1e-3 + 4 * std::sqrt(lost / count)) << name << ' ' << theta;
-            expected.push_back(count * std::max(0.0, 1 - total_mass));
-            EXPECT_GT(chi2_p_value(observed, expected), significance) << name << ' ' << theta;
+            EXPECT_WITHIN(integral + lost, 1, 1e-3 + 4 * std::sqrt(lost / k_samples));
         }
     };
     for (const auto& material : materials()) {
@@ -185,15 +190,11 @@ TEST_F(Sampling, WeightsOfFacetsAreBounded) {
         const Proposal proposal = propose(models[m]);
         for (int i = 0; i < views; ++i) {
             const Vec3f wv = to_float(spherical(std::acos(std::pow(1e-4, i / (views - 1.0))), 0.7 + i));
-            double sum = 0, squares = 0, largest = 0;
-            for (int n = 0; n < count; ++n) {
-                const double weight = luminance(sample(models[m], proposal, wv, draw3()).weight);
-                sum += weight;
-                squares += weight * weight;
-                largest = std::max(largest, weight);
-            }
-            EXPECT_LT(largest, 10) << m << ' ' << wv.z;
-            EXPECT_LT(squares * count / (sum * sum) - 1, 0.3) << m << ' ' << wv.z;
+            Moments weights;
+            for (int n = 0; n < count; ++n)
+                weights.add(luminance(sample(models[m], proposal, wv, uniform_point(random)).weight));
+            EXPECT_LT(weights.largest, 10) << m << ' ' << wv.z;
+            EXPECT_LT(weights.relative_variance(), 0.3) << m << ' ' << wv.z;
         }
     }
 }
@@ -210,34 +211,33 @@ TEST_F(Sampling, TestDetectsSamplesOfAnotherProposal) {
     }
     const Vec3f wv = to_float(spherical(30 * k_degree, 0.7));
     const auto density = [&](Vec3d h) { return half_vector_density(other, h, wv); };
-    const auto sample_half_vector = [&] { return half_vector(sample(material.pm_proposal, wv, draw3()), wv); };
-    EXPECT_LT(sampler_p_value(bins, density, 20000, sample_half_vector), 1e-6);
+    const auto sample_half_vector = [&] {
+        return half_vector(sample(material.pm_proposal, wv, uniform_point(random)), wv);
+    };
+    EXPECT_LT(sampler_p_value(bins, density, k_samples, sample_half_vector), 1e-6);
 }
 
 TEST_F(Sampling, MeanWeightIsTheAlbedo) {
     const int tests = int(materials().size()) * 4 * int(std::size(k_thetas));
     const double significance = sidak(0.01, tests);
-    constexpr int count = 20000;
     for (const auto& material : materials())
         for_each_pairing(*material, [&](const std::string& name, const Evaluate& brdf, const Proposal& proposal) {
             for (const double theta : k_thetas) {
                 const Vec3f wv = to_float(spherical(theta * k_degree, 0.0));
                 std::vector<Vec3f> wl;
                 std::vector<float> scale;
-                for (int i = 0; i < count; ++i) {
-                    const Vec3f w = sample(proposal, wv, draw3());
+                for (int i = 0; i < k_samples; ++i) {
+                    const Vec3f w = sample(proposal, wv, uniform_point(random));
                     if (!(w.z > 0)) continue;
                     wl.push_back(w);
                     scale.push_back(w.z / pdf(proposal, w, wv));
                 }
-                std::vector<Rgb> f(wl.size());
-                brdf(wl, std::vector<Vec3f>(wl.size(), wv), f);
-                double sum = 0, squares = 0;
-                for (std::size_t i = 0; i < f.size(); ++i) {
-                    const double x = is_finite(f[i]) ? double(scale[i]) * luminance(f[i]) : 0;
-                    sum += x, squares += x * x;
-                }
-                const double mean = sum / count, deviation = std::sqrt((squares / count - mean * mean) / count);
+                const std::vector<Rgb> f = values_towards(brdf, wl, wv);
+                Moments weights;
+                for (std::size_t i = 0; i < f.size(); ++i)
+                    weights.add(is_finite(f[i]) ? double(scale[i]) * luminance(f[i]) : 0);
+                weights.count = k_samples;  // a lost sample weighs 0
+                const double mean = weights.mean(), deviation = weights.deviation_of_mean();
                 const double expected = luminance(albedo(brdf, theta * k_degree, k_pi / 2));
                 // The quadrature has an error of 1e-4, and more where a measurement has an edge.
                 const double deviations = std::max(0.0, std::abs(mean - expected) - 3e-4 * expected) / deviation;
@@ -248,32 +248,29 @@ TEST_F(Sampling, MeanWeightIsTheAlbedo) {
 }
 
 TEST_F(Sampling, FewSamplesAreLostForAnyView) {
-    constexpr int count = 20000;
     for (const auto& material : materials())
         for (const MixtureProposal* proposal : {&material->table_proposal, &material->pm_proposal})
             for (const double theta : {0.0, 30.0, 60.0, 80.0, 87.0, 88.5, 89.4, 89.9}) {
                 const Vec3f wv = to_float(spherical(theta * k_degree, 0.7));
                 int lost = 0;
-                for (int i = 0; i < count; ++i) lost += !(sample(*proposal, wv, draw3()).z > 0);
-                EXPECT_LT(lost, 0.015 * count) << material->name << ' ' << theta;
+                for (int i = 0; i < k_samples; ++i) lost += !(sample(*proposal, wv, uniform_point(random)).z > 0);
+                EXPECT_LT(lost, 0.015 * k_samples) << material->name << ' ' << theta;
             }
 }
 
 /// Measurements with few views have highlights at each view. A mixture has no nodes for them.
 TEST_F(Sampling, CoversHighlightsBetweenMeasuredViews) {
     constexpr double step = 5 * k_degree, width = 1.5 * k_degree;
-    const Evaluate coarse = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-        for (std::size_t i = 0; i < f.size(); ++i) {
-            const Vec3d l = to_double(wl[i]), v = to_double(wv[i]);
-            const double theta = std::acos(v.z), lower = std::floor(theta / step), fraction = theta / step - lower;
-            double sum = 0.1;
-            for (const auto& [view_index, weight] : {std::pair(lower, 1 - fraction), {lower + 1, fraction}}) {
-                const Vec3d mirror = spherical(view_index * step, std::atan2(-v.y, -v.x));
-                sum += 200 * weight * std::exp(std::min((dot(l, mirror) - 1) / (width * width), 0.0));
-            }
-            f[i] = {float(sum), float(sum), float(sum)};
+    const Evaluate coarse = pairwise([](Vec3f wl, Vec3f wv) {
+        const Vec3d l = to_double(wl), v = to_double(wv);
+        const double theta = std::acos(v.z), lower = std::floor(theta / step), fraction = theta / step - lower;
+        double sum = 0.1;
+        for (const auto& [view_index, weight] : {std::pair(lower, 1 - fraction), {lower + 1, fraction}}) {
+            const Vec3d mirror = spherical(view_index * step, std::atan2(-v.y, -v.x));
+            sum += 200 * weight * std::exp(std::min((dot(l, mirror) - 1) / (width * width), 0.0));
         }
-    };
+        return grey(sum);
+    });
     const MixtureProposal proposal = propose(coarse);
     for (double theta = 1; theta < 85; theta += 1.5) EXPECT_LT(variance(coarse, proposal, theta), 1) << theta;
 }
@@ -383,20 +380,16 @@ TEST_F(Sampling, GrazingViewsHaveBoundedWeights) {
         const MixtureProposal proposal = propose(evaluator(rough));
         for (const double z : {0.05, 0.015, 0.005, 0.002, 5e-4, 1e-4}) {
             const Vec3f wv = to_float(spherical(std::acos(z), 0.3));
-            double sum = 0, squares = 0, largest = 0;
-            constexpr int count = 20000;
+            Moments weights;
             int lost = 0;
-            for (int i = 0; i < count; ++i) {
-                const LightSample light = sample(rough, proposal, wv, draw3());
-                const double weight = double(light.weight.g);
+            for (int i = 0; i < k_samples; ++i) {
+                const LightSample light = sample(rough, proposal, wv, uniform_point(random));
                 lost += light.pdf == 0;
-                sum += weight;
-                squares += weight * weight;
-                largest = std::max(largest, weight);
+                weights.add(double(light.weight.g));
             }
-            EXPECT_LT(squares * count / (sum * sum) - 1, 0.25) << roughness << ' ' << z;
-            EXPECT_LT(largest, 50 * sum / count) << roughness << ' ' << z;
-            EXPECT_LT(lost, 0.002 * count) << roughness << ' ' << z;
+            EXPECT_LT(weights.relative_variance(), 0.25) << roughness << ' ' << z;
+            EXPECT_LT(weights.largest, 50 * weights.mean()) << roughness << ' ' << z;
+            EXPECT_LT(lost, 0.002 * k_samples) << roughness << ' ' << z;
         }
     }
 }
@@ -408,52 +401,20 @@ TEST_F(Sampling, LobesStretchAlongTheGrain) {
     EXPECT_EQ(isotropic.cosine * isotropic.cosine + isotropic.sine * isotropic.sine, 0);
     for (const HalfVectorShape& shape : stretched.shape) EXPECT_WITHIN(double(shape.stretch), 5, 1.1);
     EXPECT_WITHIN(std::atan2(double(stretched.sine), double(stretched.cosine)), 0.7, 0.14);
-    const PolarBins bins = half_vector_bins();
-    const double significance = sidak(0.01, 6);
     for (const double theta : {0.0, 45.0, 75.0})
         for (const double phi : {0.2, 1.5}) {
             const Vec3f wv = to_float(spherical(theta * k_degree, phi));
-            double sum = 0, squares = 0, isotropic_squares = 0;
-            constexpr int count = 20000;
-            for (int i = 0; i < count; ++i) {
-                const double x = double(sample(brushed, stretched, wv, draw3()).weight.g),
-                             y = double(sample(brushed, isotropic, wv, draw3()).weight.g);
-                sum += x;
-                squares += x * x;
-                isotropic_squares += y * y;
+            SCOPED_TRACE(fmt::format("{} {}", theta, phi));
+            Moments stretched_weights, isotropic_weights;
+            for (int i = 0; i < k_samples; ++i) {
+                stretched_weights.add(double(sample(brushed, stretched, wv, uniform_point(random)).weight.g));
+                isotropic_weights.add(double(sample(brushed, isotropic, wv, uniform_point(random)).weight.g));
             }
-            EXPECT_LT(squares * count / (sum * sum) - 1, theta > 50 ? 0.5 : 0.15) << theta << ' ' << phi;
-            EXPECT_GT(isotropic_squares * count / (sum * sum) - 1, 0.7) << theta << ' ' << phi;
-            // Samples follow the density, too.
-            const Proposal proposal = stretched;
-            std::vector<double> expected =
-                                    bins.integrals([&](Vec3d h) { return half_vector_density(proposal, h, wv); }, 64),
-                                observed(bins.size() + 1);
-            double total_mass = 0;
-            for (double& mass : expected) {
-                total_mass += mass;
-                mass *= count;
-            }
-            for (int i = 0; i < count; ++i) {
-                const Vec3f wl = sample(stretched, wv, draw3());
-                observed[wl.z > 0 ? bins.index(half_vector(wl, wv)) : bins.size()] += 1;
-            }
-            EXPECT_WITHIN(total_mass + observed.back() / count, 1, 2e-3) << theta << ' ' << phi;
-            expected.push_back(count * std::max(0.0, 1 - total_mass));
-            EXPECT_GT(chi2_p_value(observed, expected), significance) << theta << ' ' << phi;
+            EXPECT_LT(stretched_weights.relative_variance(), theta > 50 ? 0.5 : 0.15);
+            EXPECT_GT(isotropic_weights.relative_variance(), 0.7);
+            const auto [integral, lost] = expect_samples_follow(stretched, wv, random, sidak(0.01, 6), 64);
+            EXPECT_WITHIN(integral + lost, 1, 2e-3);
         }
-}
-
-/// The BRDF f = 1/π as a model.
-PmModel white() {
-    PmModel model;
-    model.lobes = model.variates = 1;
-    model.coefficient = {{float(1 / k_pi), float(1 / k_pi), float(1 / k_pi)}};
-    model.log_scale = {0};
-    model.centre = {{0, 0, 1}};
-    model.bandwidth = {0};
-    model.parameterization = {{1, 1}};
-    return model;
 }
 
 TEST_F(Sampling, WeightsSumToOneAndTheCosineKeepsItsMinimum) {
@@ -476,17 +437,16 @@ TEST_F(Sampling, ResultsDoNotDependOnThreads) {
 }
 
 TEST_F(Sampling, BlackIsSampledByTheCosine) {
-    PmModel black = white();
-    black.coefficient = {{}};
-    const MixtureProposal proposal = propose(evaluator(black));
+    const MixtureProposal proposal = propose(evaluator(axial_gaussians({Rgb{}}, {0})));
     for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) EXPECT_EQ(proposal.weight(node)[0], 1);
     SuModel su = isotropic_su(16);
     std::fill(su.coefficient.begin(), su.coefficient.end(), Rgb{});
     const ViewProposal view_proposal = propose(su);
     for (int i = 0; i < 100; ++i) {
-        const Vec3f wv = to_float(random_direction(random, 0.02)), wl = sample(view_proposal, wv, draw3());
+        const Vec3f wv = to_float(random_direction(random, 0.02)),
+                    wl = sample(view_proposal, wv, uniform_point(random));
         EXPECT_GE(pdf(view_proposal, wl, wv), 0.98f * wl.z / float(k_pi));
-        EXPECT_EQ(sample(su, view_proposal, wv, draw3()).weight, Rgb{});
+        EXPECT_EQ(sample(su, view_proposal, wv, uniform_point(random)).weight, Rgb{});
     }
 }
 
@@ -521,7 +481,9 @@ TEST_F(Sampling, ExtremeModelsCanBeSampled) {
         const MixtureProposal proposal = propose(evaluator(model), {.azimuths = i % 2 == 0 ? 1 : 4});
         for (int n = 0; n < 1000; ++n) {
             const Vec3f wv = to_float(random_direction(random, n % 5 == 0 ? 1e-5 : 0.02));
-            const Vec3f u = n % 7 == 0 ? Vec3f(0, 0, 0) : n % 7 == 1 ? 0x1.fffffep-1f * Vec3f(1, 1, 1) : draw3();
+            const Vec3f u = n % 7 == 0   ? Vec3f(0, 0, 0)
+                            : n % 7 == 1 ? 0x1.fffffep-1f * Vec3f(1, 1, 1)
+                                         : uniform_point(random);
             const LightSample light_sample = sample(model, proposal, wv, u);
             EXPECT_TRUE(std::isfinite(light_sample.pdf) && light_sample.pdf >= 0 && is_finite(light_sample.weight));
             if (light_sample.pdf > 0) {

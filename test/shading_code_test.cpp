@@ -76,22 +76,25 @@ std::string host_radiance(CodeLanguage language) {
     return "";
 }
 
+/// The exported code of one model.
+std::string code_of(const Model& model, const std::string& name, const CodeOptions& options) {
+    const NamedModel named{name, &model};
+    return *checked(shading_code(std::span(&named, 1), name, options));
+}
+
 /// The functions of extras. They are compiled but not run unless a test runs them in C.
 std::string code_of_extras(CodeLanguage language) {
     if (code_features().empty()) return "";
-    const NamedModel last{"lit", &models().back()};
     std::vector<std::string> features;
     for (const CodeFeature& feature : code_features()) features.emplace_back(feature.name);
-    return host_radiance(language) +
-           *shading_code(std::span(&last, 1), "lit", {.language = language, .with = features});
+    return host_radiance(language) + code_of(models().back(), "lit", {.language = language, .with = features});
 }
 
 /// The exported code of all models.
 std::string code(CodeLanguage language, bool sampling = true) {
     std::vector<NamedModel> named;
     for (std::size_t i = 0; i < models().size(); ++i) named.push_back({name_of(i), &models()[i]});
-    const auto text = shading_code(named, "all", {.language = language, .sampling = sampling, .albedo = sampling});
-    return text ? *text : (ADD_FAILURE() << message(text.error()), "");
+    return *checked(shading_code(named, "all", {.language = language, .sampling = sampling, .albedo = sampling}));
 }
 
 const std::string& code_in_c() {
@@ -290,8 +293,7 @@ TEST_F(ShadingCode, CompilesAsCuda) {
 std::string map_code_in(CodeLanguage language) {
     std::mt19937_64 random(4);
     const TexelMap map = random_map(random, {.lobes = 3, .form = PmForm::extended}, 2, 2);
-    const auto text = map_code(map, "map", {.language = language, .albedo = true});
-    return text ? *text : message(text.error());
+    return *checked(map_code(map, "map", {.language = language, .albedo = true}));
 }
 
 /// Metal's compiler exists only on Apple's systems. Its language is C++14; a small replacement stands for its
@@ -328,11 +330,8 @@ using std::acos;
 #ifdef SRBF_RASTER
 /// The exported code of one model, with sampling and albedo. All models together have too many constants for some
 /// drivers.
-std::string code_of(std::size_t m, CodeLanguage language) {
-    const NamedModel model{name_of(m), &models()[m]};
-    const auto text =
-        shading_code(std::span(&model, 1), "one", {.language = language, .sampling = true, .albedo = true});
-    return text ? *text : (ADD_FAILURE() << message(text.error()), "");
+std::string code_of_model(std::size_t m, CodeLanguage language) {
+    return code_of(models()[m], name_of(m), {.language = language, .sampling = true, .albedo = true});
 }
 
 /// Runs one OpenGL 4.5 compute shader for each model. The questions are an array of vec4 at binding 0, the answers
@@ -377,7 +376,7 @@ std::string shader_body(std::size_t m, const std::string& vec3, const std::strin
 TEST_F(ShadingCode, RunsAsGlsl) {
     const std::string plain = code(CodeLanguage::glsl, false), extras = code_of_extras(CodeLanguage::glsl);
     std::vector<std::string> texts;
-    for (std::size_t m = 0; m < models().size(); ++m) texts.push_back(code_of(m, CodeLanguage::glsl));
+    for (std::size_t m = 0; m < models().size(); ++m) texts.push_back(code_of_model(m, CodeLanguage::glsl));
     for (const std::string version : {"#version 300 es\nprecision highp float;\n", "#version 330\n"}) {
         const auto compiles = [&](const std::string& text, const std::string& name) {
             return compiles_as_glsl("code.frag", version + text + "in vec3 a, b; out vec4 c;\nvoid main() { c = vec4(" +
@@ -413,7 +412,7 @@ TEST_F(ShadingCode, RunsAsHlsl) {
             "comp", "code",
             "StructuredBuffer<float4> questions : register(t0);\n"
             "RWStructuredBuffer<float4> answers : register(u1);\n" +
-                code_of(m, CodeLanguage::hlsl) +
+                code_of_model(m, CodeLanguage::hlsl) +
                 "[numthreads(64, 1, 1)] void main(uint3 at : SV_DispatchThreadID) {\n    uint i = at.x;\n" +
                 shader_body(m, "float3", "float4") + "}\n"));
         ASSERT_TRUE(runs(fmt::format("'{}' '{}' --version 450 --no-es --output '{}'", SRBF_SPIRV_CROSS,
@@ -423,14 +422,6 @@ TEST_F(ShadingCode, RunsAsHlsl) {
     expect_equal(run_shaders(shaders), "hlsl");
 }
 #endif
-
-/// The exported code of a BSDF, with names that differ from those of `code`.
-std::string bsdf_in_wgsl() {
-    const Model model{lobe_bsdf_with_beams(), {}};
-    const auto text =
-        shading_code(std::vector<NamedModel>{{"b", &model}}, "b", {.language = CodeLanguage::wgsl, .sampling = true});
-    return text ? *text : message(text.error());
-}
 
 /// Runs in a browser's WebGPU.
 TEST_F(ShadingCode, RunsAsWgsl) {
@@ -446,10 +437,11 @@ TEST_F(ShadingCode, RunsAsWgsl) {
             "    let wl = questions[3 * i].xyz;\n    let wv = questions[3 * i + 1].xyz;\n"
             "    let u = questions[3 * i + 2].xyz;\n" +
             answers_text("0.0", store) + "}\n");
+    const Model bsdf{lobe_bsdf_with_beams(), {}};
     write_source(
         "plain.wgsl",
-        code(CodeLanguage::wgsl, false) + code_of_extras(CodeLanguage::wgsl) + bsdf_in_wgsl() +
-            map_code_in(CodeLanguage::wgsl) +
+        code(CodeLanguage::wgsl, false) + code_of_extras(CodeLanguage::wgsl) +
+            code_of(bsdf, "b", {.language = CodeLanguage::wgsl, .sampling = true}) + map_code_in(CodeLanguage::wgsl) +
             "@group(0) @binding(0) var layers: texture_2d_array<f32>;\n"
             "@group(0) @binding(1) var linear: sampler;\n"
             "fn map_layer(j: i32, u: f32, v: f32) -> vec3f {\n"
@@ -484,15 +476,15 @@ TEST_F(ShadingCode, BlendsAreSums) {
     void* const library = compile_and_load(
         SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Wno-unused-function -Werror", "blend",
         text(CodeLanguage::c) +
-            "void answer(const float* q, const float* weights, float* f);\n"
-            "void answer(const float* q, const float* weights, float* f) {\n"
-            "    srbf_vec3 l = {q[0], q[1], q[2]}, v = {q[4], q[5], q[6]}, s = {weights[0], weights[1], weights[2]}, "
-            "w, m[3];\n"
-            "    int i;\n" +
-            three("brdf(l, v") + three("albedo(v.z") +
-            "    f[0] = mix_pdf(l, v, s), f[1] = a_pdf(l, v), f[2] = b_pdf(l, v), f[3] = c_pdf(l, v);\n"
-            "    w = mix_sample(v, q[8], q[9], q[10], s), m[0] = b_sample(v, q[8], q[9], (q[10] - s.x) / s.y);\n"
-            "    f[4] = w.z, f[5] = m[0].z;\n}\n");
+            c_function("void answer(const float* q, const float* weights, float* f)",
+                       "    srbf_vec3 l = {q[0], q[1], q[2]}, v = {q[4], q[5], q[6]}, s = {weights[0], weights[1], "
+                       "weights[2]}, "
+                       "w, m[3];\n    int i;\n" +
+                           three("brdf(l, v") + three("albedo(v.z") +
+                           "    f[0] = mix_pdf(l, v, s), f[1] = a_pdf(l, v), f[2] = b_pdf(l, v), f[3] = c_pdf(l, v);\n"
+                           "    w = mix_sample(v, q[8], q[9], q[10], s), m[0] = b_sample(v, q[8], q[9], (q[10] - s.x) "
+                           "/ s.y);\n"
+                           "    f[4] = w.z, f[5] = m[0].z;\n"));
     ASSERT_TRUE(library);
     const auto answer = function<void(const float*, const float*, float*)>(library, "answer");
     constexpr std::array<float, 3> weights{0.25f, 0.5f, 0.25f};
@@ -521,8 +513,7 @@ TEST_F(ShadingCode, BlendsAreSums) {
 }
 
 TEST(ShadingCodeText, ContainsOnlyWhatTheModelNeeds) {
-    const std::vector<NamedModel> one{{"m", &models()[0]}};
-    const std::string plain = *shading_code(one, "m", {}), sampled = *shading_code(one, "m", {.sampling = true});
+    const std::string plain = code_of(models()[0], "m", {}), sampled = code_of(models()[0], "m", {.sampling = true});
     EXPECT_LACKS(plain, "PmFeatures");  // this form has none
     EXPECT_LACKS(plain, "m_sample(");
     EXPECT_CONTAINS(sampled, "m_sample(");
@@ -534,7 +525,7 @@ TEST(ShadingCodeText, ContainsOnlyWhatTheModelNeeds) {
 
 TEST(ShadingCodeText, StoredNumbersAreConstants) {
     const auto& pm = std::get<PmModel>(models()[1].model);
-    const std::string text = *shading_code(std::vector<NamedModel>{{"m", &models()[1]}}, "m", {});
+    const std::string text = code_of(models()[1], "m", {});
     const std::string rows = text.substr(text.find("m_lobes["));
     for (const float number : pm.exponent) EXPECT_CONTAINS(rows, fmt::format(" {}", number)) << number;
     for (const float number : pm.bandwidth) EXPECT_CONTAINS(rows, fmt::format("{}", number)) << number;
@@ -556,16 +547,14 @@ TEST(ShadingCodeText, NamesAreIdentifiers) {
 TEST_F(ShadingCode, RunsViewByView) {
     const Model model{isotropic_su(256), {}};
     const auto& su = std::get<SuModel>(model.model);
-    const std::vector<NamedModel> named{{"su", &model}};
     const std::vector<float> data = shading_data(su);
-    const auto text = checked(shading_code(named, "su", {.language = CodeLanguage::c}));
-    void* const library =
-        compile_and_load(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Werror", "su",
-                         "static const float* data;\n#define su_number(i) data[i]\n" + *text +
-                             "void answer(const float* numbers, const float* q, float* f);\n"
-                             "void answer(const float* numbers, const float* q, float* f) {\n"
-                             "    srbf_vec3 wl = {q[0], q[1], q[2]}, wv = {q[4], q[5], q[6]}, w;\n"
-                             "    data = numbers, w = su_brdf(wl, wv);\n    f[0] = w.x, f[1] = w.y, f[2] = w.z;\n}\n");
+    void* const library = compile_and_load(
+        SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Werror", "su",
+        "static const float* data;\n#define su_number(i) data[i]\n" +
+            code_of(model, "su", {.language = CodeLanguage::c}) +
+            c_function("void answer(const float* numbers, const float* q, float* f)",
+                       "    srbf_vec3 wl = {q[0], q[1], q[2]}, wv = {q[4], q[5], q[6]}, w;\n"
+                       "    data = numbers, w = su_brdf(wl, wv);\n    f[0] = w.x, f[1] = w.y, f[2] = w.z;\n"));
     ASSERT_TRUE(library);
     const auto answer = function<void(const float*, const float*, float*)>(library, "answer");
     float peak = 0;
@@ -578,17 +567,17 @@ TEST_F(ShadingCode, RunsViewByView) {
             ASSERT_WITHIN(f[std::size_t(c)], expected[c], std::max(1e-4f * expected[c], 1e-6f * peak));
     }
 
-    const auto glsl = checked(shading_code(named, "su", {.albedo = true})),
-               hlsl = checked(shading_code(named, "su", {.language = CodeLanguage::hlsl}));
-    const std::string in_glsl =
+    EXPECT_TRUE(compiles_as_glsl(
+        "su.frag",
         "#version 300 es\nprecision highp float;\nuniform highp sampler2D data;\n"
         "float su_number(int i) { return texelFetch(data, ivec2(i % 1024, i / 1024), 0).x; }\n" +
-        *glsl + "in vec3 a, b; out vec4 c;\nvoid main() { c = vec4(su_brdf(a, b) * su_albedo(b.z), 1.0); }\n";
-    EXPECT_TRUE(compiles_as_glsl("su.frag", in_glsl));
-    const std::string in_hlsl =
-        "StructuredBuffer<float> data : register(t0);\nfloat su_number(int i) { return data[i]; }\n" + *hlsl +
-        "float4 main(float3 a : A, float3 b : B) : SV_Target { return float4(su_brdf(a, b), 1.0); }\n";
-    EXPECT_TRUE(compiles_as_hlsl("frag", "su", in_hlsl));
+            code_of(model, "su", {.albedo = true}) +
+            "in vec3 a, b; out vec4 c;\nvoid main() { c = vec4(su_brdf(a, b) * su_albedo(b.z), 1.0); }\n"));
+    EXPECT_TRUE(compiles_as_hlsl(
+        "frag", "su",
+        "StructuredBuffer<float> data : register(t0);\nfloat su_number(int i) { return data[i]; }\n" +
+            code_of(model, "su", {.language = CodeLanguage::hlsl}) +
+            "float4 main(float3 a : A, float3 b : B) : SV_Target { return float4(su_brdf(a, b), 1.0); }\n"));
 }
 
 TEST(ShadingCodeText, RejectsUnsupportedModels) {

@@ -13,6 +13,8 @@ template <typename F> Evaluate pairwise(F f) {
     };
 }
 
+inline Rgb grey(double value) { return {float(value), float(value), float(value)}; }
+
 inline Evaluate constant_brdf(const Rgb& value) {
     return pairwise([value](Vec3f, Vec3f) { return value; });
 }

@@ -23,6 +23,14 @@ inline testing::AssertionResult runs(const std::string& command) {
     return testing::AssertionFailure() << command << "\n" << output.substr(0, 4000);
 }
 
+/// The compiler of this build, for C, with warnings as errors.
+#define SRBF_STRICT_C SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror"
+
+/// The function of C, with the prototype that warnings ask for.
+inline std::string c_function(const std::string& signature, const std::string& body) {
+    return signature + ";\n" + signature + " {\n" + body + "}\n";
+}
+
 /// A folder of source files, and compilers for them.
 class CodeTest : public testing::Test {
   protected:

@@ -59,6 +59,18 @@ inline testing::AssertionResult lacks(const char*, const char*, std::string_view
     return testing::AssertionResult(text.find(part) == text.npos) << part << "\nis in\n" << text.substr(0, 4096);
 }
 
+inline std::size_t count_of(std::string_view text, std::string_view part) {
+    std::size_t count = 0;
+    for (std::size_t at = text.find(part); at != text.npos; at = text.find(part, at + part.size())) ++count;
+    return count;
+}
+/// The text with the first `part` replaced.
+inline std::string replaced(std::string text, std::string_view part, std::string_view replacement) {
+    const std::size_t position = text.find(part);
+    EXPECT_NE(position, text.npos) << "no " << part;
+    return position == text.npos ? text : text.replace(position, part.size(), replacement);
+}
+
 /// Expects one line with its end, which begins like this.
 #define EXPECT_ONE_LINE(text, beginning) EXPECT_PRED_FORMAT2(::srbf::is_one_line, text, beginning)
 inline testing::AssertionResult is_one_line(const char*, const char*, std::string_view text, std::string_view begin) {

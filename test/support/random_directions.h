@@ -31,9 +31,17 @@ inline double standard_normal(std::mt19937_64& random) {
 }
 
 /// ω rotated about the normal.
-inline Vec3f rotate(Vec3f w, double phi) {
+inline Vec3d rotate(Vec3d w, double phi) {
     const double c = std::cos(phi), s = std::sin(phi);
-    return to_float(Vec3d{c * double(w.x) - s * double(w.y), s * double(w.x) + c * double(w.y), double(w.z)});
+    return {c * w.x - s * w.y, s * w.x + c * w.y, w.z};
+}
+inline Vec3f rotate(Vec3f w, double phi) { return to_float(rotate(to_double(w), phi)); }
+
+/// Three numbers that are below 1 as floats, too: a point of the unit square, and a selector.
+inline Vec3f uniform_point(std::mt19937_64& random) {
+    const auto below_1 = [&] { return std::min(float(uniform(random)), 0x1.fffffep-1f); };
+    const float x = below_1(), y = below_1(), z = below_1();
+    return {x, y, z};
 }
 
 }  // namespace srbf

@@ -59,6 +59,22 @@ inline double chi2_p_value(std::span<const double> observed, std::span<const dou
 
 inline double sum_of(std::span<const double> numbers) { return std::accumulate(numbers.begin(), numbers.end(), 0.0); }
 
+/// Sums of numbers, and what follows of them.
+struct Moments {
+    double count = 0, sum = 0, squares = 0, largest = 0;
+
+    void add(double x) {
+        ++count;
+        sum += x;
+        squares += x * x;
+        largest = std::max(largest, x);
+    }
+    double mean() const { return sum / count; }
+    double variance() const { return squares / count - mean() * mean(); }
+    double relative_variance() const { return squares * count / (sum * sum) - 1; }
+    double deviation_of_mean() const { return std::sqrt(std::max(0.0, variance()) / count); }
+};
+
 /// The p-value of counts whose expectations are proportional to `mass`.
 inline double chi2_p_value_of_shape(std::span<const double> observed, std::vector<double> mass) {
     const double count_per_mass = sum_of(observed) / sum_of(mass);

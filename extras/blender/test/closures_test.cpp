@@ -1,6 +1,7 @@
 // Sums of closures: their formula and their fit.
 #include "extras/blender/closures.h"
 
+#include "brdf_functions.h"
 #include "errors/picture_errors.h"
 #include "extras/blender/closure_terms.h"
 #include "properties.h"
@@ -58,11 +59,8 @@ TEST(Closures, AreTiltedInThePlaneOfIncidence) {
                          (k_pi * ax * ay * std::pow(nh, 4));
         const double without_shadow = D / (4 * dot(N, wv) * wl.z);
         EXPECT_LE(found.r, 1.0001 * without_shadow + 1e-6);
-        const auto turned = [&](Vec3d w) {
-            return to_float(
-                Vec3d{std::cos(turn) * w.x - std::sin(turn) * w.y, std::sin(turn) * w.x + std::cos(turn) * w.y, w.z});
-        };
-        EXPECT_WITHIN(value(sum, turned(wl), turned(wv)).r, found.r, 1e-4 * found.r + 1e-6);
+        EXPECT_WITHIN(value(sum, to_float(rotate(wl, turn)), to_float(rotate(wv, turn))).r, found.r,
+                      1e-4 * found.r + 1e-6);
         const Vec3d light{dot(wl, away), dot(wl, side), wl.z}, viewer{-std::sin(theta), 0, std::cos(theta)};
         const double term = ClosureTerm({0.4f, 0.5, 0.3f}, viewer).value({light, viewer});
         EXPECT_WITHIN(found.r * wl.z, term, 1e-3 * term + 1e-6);
@@ -110,7 +108,7 @@ TEST(Closures, HaveADiffuseRamp) {
     for (int i = 0; i < 100; ++i) {
         const Rgb found =
             value(sum, to_float(random_direction(random, 0.01)), to_float(random_direction(random, 0.01)));
-        for (int c = 0; c < 3; ++c) EXPECT_WITHIN_RELATIVE(found[c], 0.2 * (c + 1) / k_pi, 1e-4);
+        EXPECT_RGB_WITHIN_RELATIVE(found, scaled(float(0.2 / k_pi), {1, 2, 3}), 1e-4, 0);
     }
     for (std::size_t i = 0; i < sum.diffuse.size(); ++i)
         if (i % 7 > 3) sum.diffuse[i] = {0.3f, 0.3f, 0.3f};  // a surface that is flatter than Lambert's
@@ -136,7 +134,7 @@ TEST(Closures, ShowAMeasurementAndReflectNoMoreThanAllLight) {
     EXPECT_LT(delta_e(f, fitted), 3);
     for (const double theta : {0.0, 20.0, 45.0, 70.0, 80.0, 84.0, 86.0, 88.0}) {
         const Rgb light = albedo(fitted, theta * k_degree, k_pi / 2);
-        for (int c = 0; c < 3; ++c) EXPECT_LT(light[c], 1.01) << theta;
+        EXPECT_LT(largest_of(light), 1.01) << theta;
         // The paper reflects .83 of the light at 80 degrees and more beyond.
         if (theta >= 80) {
             EXPECT_GT(light.g, 0.75) << theta;
@@ -152,9 +150,10 @@ TEST(Closures, ShowMirrorLikeAndMatteSurfaces) {
         OpenPbrModel model;
         double max_error;
     };
-    for (const auto& [model, max_error] : {Surface{{.base_color = {0.2f, 0.1f, 0.05f}, .specular_roughness = 0.14f}, 1},
-                                           Surface{{.base_color = {0, 0, 0}, .specular_roughness = 0.14f}, 6},
-                                           Surface{{.base_color = {0.8f, 0.4f, 0.1f}, .specular_weight = 0}, 0.2}}) {
+    const Surface surfaces[] = {{{.base_color = {0.2f, 0.1f, 0.05f}, .specular_roughness = 0.14f}, 1},
+                                {{.base_color = {0, 0, 0}, .specular_roughness = 0.14f}, 6},
+                                {{.base_color = {0.8f, 0.4f, 0.1f}, .specular_weight = 0}, 0.2}};
+    for (const auto& [model, max_error] : surfaces) {
         const Evaluate surface = evaluator(model);
         const auto fit = checked(fit_closures(surface, {.terms = 2, .knots = 12}));
         const Evaluate fitted = evaluator(*fit);
@@ -167,9 +166,7 @@ TEST(Closures, ShowMirrorLikeAndMatteSurfaces) {
 }
 
 TEST(Closures, AreRefusedForBlackAndBadOptions) {
-    const Evaluate black = [](std::span<const Vec3f>, std::span<const Vec3f>, std::span<Rgb> f) {
-        std::ranges::fill(f, Rgb{});
-    };
+    const Evaluate black = constant_brdf({});
     EXPECT_EQ(fit_closures(black).error().code, ErrorCode::no_data);
     EXPECT_EQ(fit_closures(black, {.terms = 0}).error().code, ErrorCode::argument);
     EXPECT_EQ(fit_closures(black, {.knots = 2}).error().code, ErrorCode::argument);

@@ -14,6 +14,9 @@ namespace {
 
 class EnvironmentCode : public CodeTest {};
 
+const std::string k_vector_in_c =
+    "static srbf_vec3 vector(const float* p) { return srbf_vec3_of(p[0], p[1], p[2]); }\n";
+
 /// The draws are from an environment whose radiance hardly changes over the solid angle of one.
 TEST_F(EnvironmentCode, DrawsAreOfTheEnvironment) {
     const Model model{rounded(GgxModel{{0.3f, 0.2f, 0.1f}, {{0.3f, {0.3f, 0.2f, 0.1f}, 1}}}), {}};
@@ -25,14 +28,13 @@ TEST_F(EnvironmentCode, DrawsAreOfTheEnvironment) {
     EXPECT_LACKS(text(CodeLanguage::msl), "glossy_environment_sampled(");
     EXPECT_CONTAINS(text(CodeLanguage::msl), "glossy_environment_draw(");
     void* const library = compile_and_load(
-        SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "draws",
+        SRBF_STRICT_C, "draws",
         text(CodeLanguage::c) +
             "static srbf_vec3 glossy_radiance_over(srbf_vec3 direction, float solid_angle) {\n"
-            "    return srbf_vec3_of(1.0f + direction.x, 1.0f + direction.z, 1.0f / (1.0f + solid_angle));\n}\n"
-            "void answer(const float* v, int count, float* to);\n"
-            "void answer(const float* v, int count, float* to) {\n"
-            "    srbf_vec3 wv = {v[0], v[1], v[2]}, f = glossy_environment_sampled(wv, count);\n"
-            "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n}\n");
+            "    return srbf_vec3_of(1.0f + direction.x, 1.0f + direction.z, 1.0f / (1.0f + solid_angle));\n}\n" +
+            c_function("void answer(const float* v, int count, float* to)",
+                       "    srbf_vec3 wv = {v[0], v[1], v[2]}, f = glossy_environment_sampled(wv, count);\n"
+                       "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"));
     ASSERT_TRUE(library);
     const auto answer = function<void(const float*, int, float*)>(library, "answer");
     const PreparedBrdf brdf = prepare(model);
@@ -83,14 +85,13 @@ TEST_F(EnvironmentCode, EnvironmentsAreThoseOfTheLibrary) {
     EXPECT_LACKS(metal, "glossy_environment(");
     EXPECT_CONTAINS(metal, "glossy_environment_lobe(");
     void* const library =
-        compile_and_load(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "environment",
+        compile_and_load(SRBF_STRICT_C, "environment",
                          text(CodeLanguage::c) +
                              "static srbf_vec3 glossy_radiance(srbf_vec3 direction, float roughness) {\n"
-                             "    return srbf_vec3_of(1.0f + direction.x, 1.0f + direction.z, roughness);\n}\n"
-                             "void answer(const float* v, float* to);\n"
-                             "void answer(const float* v, float* to) {\n"
-                             "    srbf_vec3 wv = {v[0], v[1], v[2]}, f = glossy_environment(wv);\n"
-                             "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n}\n");
+                             "    return srbf_vec3_of(1.0f + direction.x, 1.0f + direction.z, roughness);\n}\n" +
+                             c_function("void answer(const float* v, float* to)",
+                                        "    srbf_vec3 wv = {v[0], v[1], v[2]}, f = glossy_environment(wv);\n"
+                                        "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"));
     ASSERT_TRUE(library);
     const auto answer = function<void(const float*, float*)>(library, "answer");
     const ExtendedLight& light = light_of_glossy();
@@ -105,7 +106,7 @@ TEST_F(EnvironmentCode, EnvironmentsAreThoseOfTheLibrary) {
             expected.g += lobe.weight.g * (1 + axis.z);
             expected.b += lobe.weight.b * lobe.roughness;
         }
-        for (int c = 0; c < 3; ++c) EXPECT_WITHIN(found[c], std::max(expected[c], 0.f), 1e-4f) << wv.z;
+        EXPECT_RGB_WITHIN(found, non_negative(expected), 1e-4f) << wv.z;
     }
 }
 
@@ -162,13 +163,12 @@ TEST_F(EnvironmentCode, AreaLightsAreIntegralsOfTheLobes) {
     const Model& model = glossy();
     const NamedModel named{"glossy", &model};
     void* const library = compile_and_load(
-        SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "area",
-        *shading_code(std::span(&named, 1), "glossy", {.language = CodeLanguage::c, .with = {"area"}}) +
-            "void answer(const float* v, const float* p, float* to);\n"
-            "static srbf_vec3 of(const float* p) { return srbf_vec3_of(p[0], p[1], p[2]); }\n"
-            "void answer(const float* v, const float* p, float* to) {\n"
-            "    srbf_vec3 f = glossy_area(of(v), of(p), of(p + 3), of(p + 6), of(p + 9));\n"
-            "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n}\n");
+        SRBF_STRICT_C, "area",
+        *shading_code(std::span(&named, 1), "glossy", {.language = CodeLanguage::c, .with = {"area"}}) + k_vector_in_c +
+            c_function(
+                "void answer(const float* v, const float* p, float* to)",
+                "    srbf_vec3 f = glossy_area(vector(v), vector(p), vector(p + 3), vector(p + 6), vector(p + 9));\n"
+                "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"));
     ASSERT_TRUE(library);
     const auto called = function<void(const float*, const Vec3f*, float*)>(library, "answer");
     const auto green = [&](const Vec3f& wv, const std::array<Vec3f, 4>& corners) {
@@ -206,11 +206,7 @@ TexelMap map_of(int lobes, std::size_t width) {
     return random_map(random, {true, true, lobes, 3, 60, PmForm::extended}, width, 1);
 }
 std::string lit_code(const TexelMap& map, CodeLanguage language) {
-    const auto text = map_code(map, "map", {.language = language, .albedo = true, .with = {"environment", "area"}});
-    return text ? *text : (ADD_FAILURE() << message(text.error()), "");
-}
-void expect_near_colour(const Rgb& found, const Rgb& expected, float relative, const std::string& about) {
-    EXPECT_RGB_WITHIN_RELATIVE(found, expected, relative, 1e-30) << about;
+    return *checked(map_code(map, "map", {.language = language, .albedo = true, .with = {"environment", "area"}}));
 }
 
 /// The radiance of a uniform environment is reflected by the albedo, and that of a large quadrilateral near the
@@ -218,27 +214,26 @@ void expect_near_colour(const Rgb& found, const Rgb& expected, float relative, c
 TEST_F(EnvironmentCode, LightOfMapsIsLinear) {
     const TexelMap map = map_of(5, 2);
     void* const library = compile_and_load(
-        SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "light",
+        SRBF_STRICT_C, "light",
         lit_code(map, CodeLanguage::c) +
             "static const float* at;\n"
             "static srbf_vec3 map_layer(int j, float u, float v) {\n"
             "    (void)u, (void)v;\n    return srbf_vec3_of(at[3 * j], at[3 * j + 1], at[3 * j + 2]);\n}\n"
             "static srbf_vec3 map_radiance(srbf_vec3 w, float roughness) {\n"
-            "    (void)w, (void)roughness;\n    return srbf_vec3_of(1, 1, 1);\n}\n"
-            "void answer(const float* coefficients, const float* w, float* to);\n"
-            "void answer(const float* coefficients, const float* w, float* to) {\n"
-            "    const float e = 50.0f;\n    map_Coefficients texel;\n    srbf_vec3 f, wv = {w[0], w[1], w[2]};\n"
-            "    at = coefficients, texel = map_coefficients(0, 0);\n"
-            "    f = map_albedo(wv.z, texel), to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
-            "    f = map_environment(wv, texel), to[3] = f.x, to[4] = f.y, to[5] = f.z;\n"
-            "    f = map_area(wv, srbf_vec3_of(-e, -e, 1), srbf_vec3_of(e, -e, 1), srbf_vec3_of(e, e, 1), "
-            "srbf_vec3_of(-e, e, 1), texel);\n    to[6] = f.x, to[7] = f.y, to[8] = f.z;\n}\n");
+            "    (void)w, (void)roughness;\n    return srbf_vec3_of(1, 1, 1);\n}\n" +
+            c_function(
+                "void answer(const float* coefficients, const float* w, float* to)",
+                "    const float e = 50.0f;\n    map_Coefficients texel;\n    srbf_vec3 f, wv = {w[0], w[1], w[2]};\n"
+                "    at = coefficients, texel = map_coefficients(0, 0);\n"
+                "    f = map_albedo(wv.z, texel), to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
+                "    f = map_environment(wv, texel), to[3] = f.x, to[4] = f.y, to[5] = f.z;\n"
+                "    f = map_area(wv, srbf_vec3_of(-e, -e, 1), srbf_vec3_of(e, -e, 1), srbf_vec3_of(e, e, 1), "
+                "srbf_vec3_of(-e, e, 1), texel);\n    to[6] = f.x, to[7] = f.y, to[8] = f.z;\n"));
     ASSERT_TRUE(library);
     const auto answer = function<void(const Rgb*, const Vec3f*, Rgb*)>(library, "answer");
     const std::size_t J = map.coefficient.size() / 2;
     std::vector<Rgb> mean(J);
-    for (std::size_t j = 0; j < J; ++j)
-        for (int c = 0; c < 3; ++c) mean[j][c] = 0.5f * (map.coefficient[j][c] + map.coefficient[J + j][c]);
+    for (std::size_t j = 0; j < J; ++j) mean[j] = mixed(map.coefficient[j], map.coefficient[J + j], 0.5f);
     for (const double z : {0.1, 0.4, 0.75, 0.99}) {
         const Vec3f wv = to_float(spherical(std::acos(z), 0.3));
         std::array<std::array<Rgb, 3>, 3> colours;
@@ -246,10 +241,8 @@ TEST_F(EnvironmentCode, LightOfMapsIsLinear) {
         answer(&map.coefficient[J], &wv, colours[1].data());
         answer(mean.data(), &wv, colours[2].data());
         for (const std::size_t k : {0, 1, 2}) {
-            Rgb half;
-            for (int c = 0; c < 3; ++c) half[c] = 0.5f * (colours[0][k][c] + colours[1][k][c]);
-            expect_near_colour(colours[2][k], half, 1e-5f, "linear");
-            expect_near_colour(colours[0][k], colours[0][0], 0.05f, fmt::format("albedo {} {}", k, z));
+            EXPECT_RGB_WITHIN_RELATIVE(colours[2][k], mixed(colours[0][k], colours[1][k], 0.5f), 1e-5f, 1e-30) << k;
+            EXPECT_RGB_WITHIN_RELATIVE(colours[0][k], colours[0][0], 0.05f, 1e-30) << k << ' ' << z;
         }
     }
 }
@@ -264,12 +257,6 @@ TEST_F(EnvironmentCode, LightOfMapsCompiles) {
             "in vec3 a, b; in vec2 uv; out vec4 c;\n"
             "void main() {\n    map_Coefficients texel = map_coefficients(uv.x, uv.y);\n"
             "    c = vec4(map_environment(a, texel) + map_area(a, b, b.yzx, b.zxy, b.xzy, texel), 1.0);\n}\n"));
-}
-
-std::size_t loops_of(const std::string& text) {
-    std::size_t loops = 0;
-    for (std::size_t at = 0; (at = text.find("for (int ", at)) != std::string::npos; ++at) ++loops;
-    return loops;
 }
 
 /// Statements in the place of loops, with numbers in the place of tables, compute the same.
@@ -287,26 +274,25 @@ TEST_F(EnvironmentCode, UnrolledLoopsComputeTheSame) {
         texts[unrolled] = *environment_code(std::span(&named, 1), "film", {.language = CodeLanguage::c},
                                             {.area = true, .lobes = 3, .fixed = true, .unrolled = unrolled});
         void* const library = compile_and_load(
-            SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror",
-            unrolled ? "unrolled" : "loops",
-            texts[unrolled] +
-                "static srbf_vec3 of(const float* p) { return srbf_vec3_of(p[0], p[1], p[2]); }\n"
-                "void answer(const float* v, const float* p, float* to);\n"
-                "void answer(const float* v, const float* p, float* to) {\n"
-                "    srbf_vec3 f = film_brdf(of(p), of(v));\n    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
-                "    f = film_area(of(v), of(p), of(p + 3), of(p + 6), of(p + 9));\n"
-                "    to[3] = f.x, to[4] = f.y, to[5] = f.z;\n}\n");
+            SRBF_STRICT_C, unrolled ? "unrolled" : "loops",
+            texts[unrolled] + k_vector_in_c +
+                c_function(
+                    "void answer(const float* v, const float* p, float* to)",
+                    "    srbf_vec3 f = film_brdf(vector(p), vector(v));\n    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
+                    "    f = film_area(vector(v), vector(p), vector(p + 3), vector(p + 6), vector(p + 9));\n"
+                    "    to[3] = f.x, to[4] = f.y, to[5] = f.z;\n"));
         ASSERT_TRUE(library);
         answers[unrolled] = function<void(const Vec3f*, const Vec3f*, Rgb*)>(library, "answer");
     }
-    EXPECT_LT(loops_of(texts[1]), loops_of(texts[0]));
+    EXPECT_LT(count_of(texts[1], "for (int "), count_of(texts[0], "for (int "));
     for (int i = 0; i < 50; ++i) {
         const Vec3f wv = to_float(random_direction(random, 0.05));
         const std::array<Vec3f, 4> corners = random_quadrilateral(random, 0.3).corners();
-        std::array<std::array<Rgb, 2>, 2> f;
-        for (const int k : {0, 1}) answers[std::size_t(k)](&wv, corners.data(), f[std::size_t(k)].data());
-        for (const int k : {0, 1})
-            expect_near_colour(f[1][std::size_t(k)], f[0][std::size_t(k)], 2e-4f, fmt::format("{} {}", k, i));
+        std::array<Rgb, 2> by_loops, by_statements;  // values of the BRDF, and light of the area
+        answers[0](&wv, corners.data(), by_loops.data());
+        answers[1](&wv, corners.data(), by_statements.data());
+        for (const std::size_t k : {0, 1})
+            EXPECT_RGB_WITHIN_RELATIVE(by_statements[k], by_loops[k], 2e-4f, 1e-30) << k << ' ' << i;
     }
 }
 

@@ -14,6 +14,9 @@ const Model& plastic() {
     return model;
 }
 
+/// The direction to the viewer at this cosine, in the xz plane.
+Vec3f viewer_at(float cosine) { return {std::sqrt(1 - cosine * cosine), 0, cosine}; }
+
 /// ∫ g(w) dω over the hemisphere about z, by midpoints that are uniform in √(1 − cosθ) and φ.
 template <typename G> double hemisphere_integral(const G& g, int rings = 200, int azimuths = 200) {
     double sum = 0;
@@ -113,10 +116,10 @@ TEST(ExtendedLight, LightsOfAnySizeAreReflected) {
     const PreparedBrdf brdf = prepare(plastic());
     const ExtendedLight light = extended_light(brdf), three_levels = extended_light(brdf, {.levels = MapLevels::three});
     for (const float cosine : {0.15f, 0.4f, 0.7f, 0.95f}) {
-        const Vec3f wv{std::sqrt(1 - cosine * cosine), 0, cosine}, mirror{-wv.x, 0, wv.z};
+        const Vec3f wv = viewer_at(cosine);
         const Vec3d away = normalize(Vec3d{-1, 0.4, 0.2});
         const auto half_sphere = [&](const Vec3d& w) { return dot(w, away) > 0 ? 1.0 : 0; };
-        const auto box_light = [&](const Vec3d& w) { return dot(w, to_double(mirror)) > std::cos(0.3) ? 1.0 : 0; };
+        const auto box_light = [&](const Vec3d& w) { return dot(w, to_double(mirror(wv))) > std::cos(0.3) ? 1.0 : 0; };
         const auto reflected = [&](const auto& radiance) {
             return hemisphere_integral([&](const Vec3d& w) {
                 const double l = radiance(w);
@@ -144,7 +147,7 @@ TEST(ExtendedLight, SharedLobesReflectAnySum) {
         const PreparedBrdf brdf = prepare(Model{basis, {}});
         for (const std::size_t view : {10, 18, 28}) {
             const float cosine = float(ExtendedLight::cosine(int(view)));
-            const Vec3f wv{std::sqrt(1 - cosine * cosine), 0, cosine}, mirror{-wv.x, 0, wv.z};
+            const Vec3f wv = viewer_at(cosine);
             const float whole = albedo(brdf, cosine).g;
             std::vector<ExtendedLight::Lobe> lobes{{0, 1, {1, 1, 1}}};
             for (std::size_t i = view * others; i < (view + 1) * others; ++i) {
@@ -155,7 +158,7 @@ TEST(ExtendedLight, SharedLobesReflectAnySum) {
             }
             for (const double width : {0.3, 1.0}) {
                 const auto box_light = [&](const Vec3d& w) {
-                    return dot(w, to_double(mirror)) > std::cos(width) ? 1.0 : 0;
+                    return dot(w, to_double(mirror(wv))) > std::cos(width) ? 1.0 : 0;
                 };
                 const double box = hemisphere_integral(
                     [&](const Vec3d& w) { return box_light(w) * double(value(brdf, to_float(w), wv).g) * w.z; });
@@ -177,12 +180,11 @@ TEST(ExtendedLight, AnisotropicIsTheMeanOverAzimuths) {
     const ExtendedLight light = extended_light(brdf, {.isotropic = false});
     const Vec3d away = normalize(Vec3d{-1, 0.4, 0.2}), mirrored{away.x, -away.y, away.z};
     for (const float cosine : {0.3f, 0.9f}) {
-        const Vec3f wv{std::sqrt(1 - cosine * cosine), 0, cosine};
+        const Vec3f wv = viewer_at(cosine);
         constexpr int k_azimuths = 12;
         double lit = 0, whole = 0, first = 0;  // by half a sphere, by all of it, the fraction at azimuth 0
         for (int i = 0; i < k_azimuths; ++i) {
-            const double s = std::sin(2 * k_pi * i / k_azimuths), c = std::cos(2 * k_pi * i / k_azimuths);
-            const auto turned = [&](const Vec3d& w) { return Vec3d{c * w.x - s * w.y, s * w.x + c * w.y, w.z}; };
+            const auto turned = [&](const Vec3d& w) { return rotate(w, 2 * k_pi * i / k_azimuths); };
             const auto reflected = [&](const auto& fraction) {
                 const Vec3f v = to_float(turned(to_double(wv)));
                 return hemisphere_integral(

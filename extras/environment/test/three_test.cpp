@@ -13,6 +13,7 @@
 #include "extras/render/path.h"
 #include "extras/render/raster.h"
 #include "extras/render/scene.h"
+#include "extras/render/test/psnr.h"
 #include "models.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/ggx/ggx_kind.h"
@@ -54,13 +55,11 @@ Json json_of(const Scene& scene, const std::string& material, float exposure, bo
 
 /// PSNR [dB] over the pixels that the mesh covers.
 double psnr(const std::string& rgba, const Image8& picture, const std::vector<float>& coverage) {
-    double squares = 0, count = 0;
-    for (std::size_t i = 0; i < picture.pixels.size() && rgba.size() == 4 * picture.pixels.size(); ++i)
-        for (std::size_t c = 0; c < 3 && coverage[i] >= 1; ++c, ++count) {
-            const double difference = double(std::uint8_t(rgba[4 * i + c])) - double(picture.pixels[i][c]);
-            squares += difference * difference;
-        }
-    return count > 0 ? 10 * std::log10(255 * 255 * count / std::max(squares, 1e-3)) : 0;
+    if (rgba.size() != 4 * picture.pixels.size()) return 0;
+    Psnr psnr;
+    for (std::size_t i = 0; i < picture.pixels.size(); ++i)
+        if (coverage[i] >= 1) psnr.add(pixel_of(rgba, i), picture.pixels[i]);
+    return psnr.count > 0 ? psnr.decibels() : 0;
 }
 
 /// Models of three classes of material, and one that is only in the module.

@@ -2,7 +2,8 @@
 #include "srbf/fit_map.h"
 
 #include "base/half.h"
-#include "brdf/directions.h"
+#include "brdf_functions.h"
+#include "extras/maps/test/texel_values.h"
 #include "models/model_files.h"
 #include "properties.h"
 #include "srbf/convert.h"
@@ -14,21 +15,9 @@
 namespace srbf::fit_map_test {
 namespace {
 
-/// Three axial lobes: diffuse, a broad and a narrow highlight.
-PmModel lobes_of_three() {
-    PmModel model;
-    model.form = PmForm::horizon;
-    model.lobes = 3;
-    model.variates = 1;
-    model.coefficient.assign(3, {1, 1, 1}), model.log_scale.assign(3, 0), model.exponent.assign(3, 0);
-    model.centre.assign(3, {0, 0, 1}), model.bandwidth = {0, 10, 200}, model.parameterization = {{1, 1}};
-    return model;
-}
-
-/// A map of two texels.
-TexelMap some_map() {
+TexelMap map_of_two() {
     TexelMap map;
-    map.basis = lobes_of_three();
+    map.basis = three_lobes();
     map.width = 1;
     for (int i = 0; i < 6; ++i) map.coefficient.push_back({0.25f * float(i + 1), 0.5f, 0.125f});
     map.error = {1.5f, 0.5f};
@@ -36,24 +25,20 @@ TexelMap some_map() {
     return map;
 }
 
-std::pair<std::vector<Vec3f>, std::vector<Vec3f>> some_pairs(std::size_t count) {
+/// Pairs above the horizon, half of them in the mirror direction.
+SharedPairs pairs_above(std::size_t count) {
     std::mt19937_64 random(1);
-    std::vector<Vec3f> wl, wv;
-    const auto direction = [&] {
-        const double z = 0.2 + 0.8 * double(random() >> 11) * 0x1p-53, phi = 6.283 * double(random() >> 11) * 0x1p-53;
-        const double s = std::sqrt(1 - z * z);
-        return Vec3f{float(s * std::cos(phi)), float(s * std::sin(phi)), float(z)};
-    };
+    SharedPairs pairs;
     for (std::size_t i = 0; i < count; ++i) {
-        wl.push_back(direction());
-        const Vec3f other = direction();
-        wv.push_back(i % 2 ? other : Vec3f{-wl.back().x, -wl.back().y, wl.back().z});
+        const Vec3d wl = random_direction(random, 0.2), other = random_direction(random, 0.2);
+        pairs.wl.push_back(to_float(wl));
+        pairs.wv.push_back(to_float(i % 2 ? other : mirror(wl)));
     }
-    return {wl, wv};
+    return pairs;
 }
 
 TEST(FitMap, WrittenMapsAreReadBack) {
-    const TexelMap map = some_map();
+    const TexelMap map = map_of_two();
     const auto bytes = write_map(map);
     EXPECT_TRUE(is_map_file(bytes));
     const auto read = checked(read_map(bytes, "a"));
@@ -77,7 +62,7 @@ TEST(FitMap, FilesOfLibrariesAreReadOrRefusedInOneLine) {
 }
 
 TEST(FitMap, TexelsAreFoundByIndexAndPlace) {
-    const TexelMap map = some_map();
+    const TexelMap map = map_of_two();
     EXPECT_EQ(find_texel(map, "1"), 1u);
     EXPECT_EQ(find_texel(map, "0,1"), 1u);
     for (const char* name : {"2", "1,0", "0,2", "paint", "", "0,", ",1"})
@@ -86,29 +71,28 @@ TEST(FitMap, TexelsAreFoundByIndexAndPlace) {
 
 /// f of the mean of coefficients is the mean of f, as a mip level needs.
 TEST(FitMap, MeanOfCoefficientsIsMeanOfBrdfs) {
-    TexelMap map = some_map();
-    for (std::size_t k = 0; k < 3; ++k) {
-        const Rgb a = map.coefficient[k], b = map.coefficient[3 + k];
-        map.coefficient.push_back({(a.r + b.r) / 2, (a.g + b.g) / 2, (a.b + b.b) / 2});
-    }
+    TexelMap map = map_of_two();
+    for (std::size_t k = 0; k < 3; ++k)
+        map.coefficient.push_back(mixed(map.coefficient[k], map.coefficient[3 + k], 0.5f));
     map.error.push_back(0);
     const Model models[] = {texel(map, 0), texel(map, 1), texel(map, 2)};
-    const auto [wl, wv] = some_pairs(200);
-    for (std::size_t i = 0; i < wl.size(); ++i)
-        for (int c = 0; c < 3; ++c) {
-            const float mean = (value(models[0], wl[i], wv[i])[c] + value(models[1], wl[i], wv[i])[c]) / 2;
-            EXPECT_WITHIN(value(models[2], wl[i], wv[i])[c], mean, 1e-6f * (1 + mean));
-        }
+    const auto [wl, wv, is_isotropic] = pairs_above(200);
+    for (std::size_t i = 0; i < wl.size(); ++i) {
+        const Rgb mean = mixed(value(models[0], wl[i], wv[i]), value(models[1], wl[i], wv[i]), 0.5f);
+        EXPECT_RGB_WITHIN_RELATIVE(value(models[2], wl[i], wv[i]), mean, 1e-6, 1e-6);
+    }
 }
 
 /// Texels made of the lobes have their coefficients again, also where some values are missing.
 TEST(FitMap, CoefficientsOfTexelsAreRecovered) {
-    const TexelMap map = some_map();
-    const auto [wl, wv] = some_pairs(128);
-    std::vector<Rgb> f(3 * wl.size());
-    for (std::size_t t = 0; t < 2; ++t) evaluate(texel(map, t), wl, wv, std::span(f).subspan(t * wl.size(), wl.size()));
+    const TexelMap map = map_of_two();
+    const SharedPairs pairs = pairs_above(128);
+    const std::size_t count = pairs.wl.size();
+    std::vector<Rgb> f(3 * count);
+    for (std::size_t t = 0; t < 2; ++t)
+        evaluate(texel(map, t), pairs.wl, pairs.wv, std::span(f).subspan(t * count, count));
     f[5].g = std::numeric_limits<float>::quiet_NaN();  // the last texel is black
-    const TexelCoefficients found = coefficients_of_texels(map, {wl, wv, true}, f, 2);
+    const TexelCoefficients found = coefficients_of_texels(map, pairs, f, 2);
     ASSERT_EQ(found.coefficient.size(), 9u);
     for (std::size_t i = 0; i < 6; ++i) EXPECT_RGB_WITHIN(found.coefficient[i], map.coefficient[i], 1e-3);
     for (std::size_t i = 6; i < 9; ++i) EXPECT_EQ(found.coefficient[i].r, 0);
@@ -117,34 +101,32 @@ TEST(FitMap, CoefficientsOfTexelsAreRecovered) {
 
 /// A lobe that explains the samples, but would rise by orders of magnitude beyond them, is held down.
 TEST(FitMap, CoefficientsOfTexelsAreBoundedTowardsTheHorizon) {
-    TexelMap map = some_map();
+    TexelMap map = map_of_two();
     map.basis.exponent = {0, -4, 0};  // (cosθl cosθv)⁻⁴
     map.basis.bandwidth[1] = 0;
-    const auto directions = [](double min_theta, double max_theta) {
-        std::pair<std::vector<Vec3f>, std::vector<Vec3f>> pairs;
+    const auto pairs_between = [](double min_theta, double max_theta) {
+        SharedPairs pairs;
+        const auto theta = [&](int step) { return (min_theta + (max_theta - min_theta) * step / 9.0) * k_degree; };
         for (int i = 0; i < 100; ++i) {
-            const double l = min_theta + (max_theta - min_theta) * double(i % 10) / 9,
-                         v = min_theta + (max_theta - min_theta) * double(i / 10) / 9;
-            pairs.first.push_back(to_float(spherical(l * k_degree, 0.1 * i)));
-            pairs.second.push_back(to_float(spherical(v * k_degree, 0.0)));
+            pairs.wl.push_back(to_float(spherical(theta(i % 10), 0.1 * i)));
+            pairs.wv.push_back(to_float(spherical(theta(i / 10), 0.0)));
         }
         return pairs;
     };
-    const auto [wl, wv] = directions(0, 60);
-    std::vector<Rgb> f(wl.size());
-    double largest = 0;
-    for (std::size_t i = 0; i < f.size(); ++i) {
-        const double area = double(wl[i].z) * double(wv[i].z), value = 0.1 + 0.01 * std::pow(area, -4);
-        f[i] = {float(value), float(value), float(value)};
+    const SharedPairs measured = pairs_between(0, 60), beyond = pairs_between(61, 89.9);
+    std::vector<Rgb> f, g(beyond.wl.size());
+    double largest = 0;  // f cosθl cosθv
+    for (std::size_t i = 0; i < measured.wl.size(); ++i) {
+        const double area = cosines(measured.wl[i], measured.wv[i]), value = 0.1 + 0.01 * std::pow(area, -4);
+        f.push_back(grey(value));
         largest = std::max(largest, value * area);
     }
-    const TexelCoefficients found = coefficients_of_texels(map, {wl, wv, true}, f, 1);
+    const TexelCoefficients found = coefficients_of_texels(map, measured, f, 1);
     map.coefficient = found.coefficient;
     map.error = found.error;
-    const auto [beyond_l, beyond_v] = directions(61, 89.9);
-    std::vector<Rgb> g(beyond_l.size());
-    evaluate(texel(map, 0), beyond_l, beyond_v, g);
-    for (std::size_t i = 0; i < g.size(); ++i) EXPECT_LE(g[i].r * beyond_l[i].z * beyond_v[i].z, 2 * largest) << i;
+    evaluate(texel(map, 0), beyond.wl, beyond.wv, g);
+    for (std::size_t i = 0; i < g.size(); ++i)
+        EXPECT_LE(double(g[i].r) * cosines(beyond.wl[i], beyond.wv[i]), 2 * largest) << i;
     EXPECT_GT(found.coefficient[0].r, 0.05f);
 }
 
@@ -152,25 +134,21 @@ TEST(FitMap, CoefficientsOfTexelsAreBoundedTowardsTheHorizon) {
 /// coefficients have the error that is reported.
 TEST(FitMap, MatteTexelsHaveNoHighlights) {
     std::mt19937_64 random(7);
-    std::vector<Vec3f> wl, wv;
+    SharedPairs pairs;
     for (int i = 0; i < 200; ++i) {
-        wl.push_back(to_float(random_direction(random, 0.2)));
-        wv.push_back(to_float(random_direction(random, 0.2)));
+        pairs.wl.push_back(to_float(random_direction(random, 0.2)));
+        pairs.wv.push_back(to_float(random_direction(random, 0.2)));
     }
     const auto drawn = [&](double from, double to) { return float(from + (to - from) * uniform(random)); };
     std::vector<Rgb> colours, f;
     for (int t = 0; t < 4; ++t) {
         colours.push_back({drawn(0.02, 0.2), drawn(0.02, 0.2), drawn(0.02, 0.2)});
-        for (std::size_t i = 0; i < wl.size(); ++i) {
+        for (std::size_t i = 0; i < pairs.wl.size(); ++i) {
             Rgb& colour = f.emplace_back();
             for (int c = 0; c < 3; ++c) colour[c] = colours.back()[c] * drawn(0.965, 1.035);
         }
     }
-    const SharedPairs pairs{wl, wv, true};
-    MapOptions options;
-    options.lobes = 8;
-    options.threads = 1;
-    auto map = checked(fit_map(pairs, f, options));
+    auto map = checked(fit_map(pairs, f, {.lobes = 8, .threads = 1}));
     const TexelCoefficients found = coefficients_of_texels(*map, pairs, f, 1);
     map->coefficient = found.coefficient;
     map->error = found.error;
@@ -178,9 +156,10 @@ TEST(FitMap, MatteTexelsHaveNoHighlights) {
         for (int c = 0; c < 3; ++c) EXPECT_EQ(colour[c], round_to_half(colour[c]));
     std::vector<Vec3f> l, v;
     for (double theta = 0; theta < 78; theta += 2)
-        for (const double phi : {0.0, 0.3, 1.0, 2.0, 3.0, k_pi})
-            l.push_back(to_float(spherical(theta * k_degree, 0.0))),
-                v.push_back(to_float(spherical(theta * k_degree, phi)));
+        for (const double phi : {0.0, 0.3, 1.0, 2.0, 3.0, k_pi}) {
+            l.push_back(to_float(spherical(theta * k_degree, 0.0)));
+            v.push_back(to_float(spherical(theta * k_degree, phi)));
+        }
     for (std::size_t t = 0; t < colours.size(); ++t) {
         EXPECT_LT(found.error[t], 0.025f);
         std::vector<Rgb> g(l.size());
@@ -192,19 +171,19 @@ TEST(FitMap, MatteTexelsHaveNoHighlights) {
 
 /// Coefficients beyond the largest 16-bit float are not cut off: the solver bounds them, and the error includes this.
 TEST(FitMap, TexelsTooBrightForTheScaleHaveTheirErrors) {
-    const TexelMap map = some_map();
-    const auto [wl, wv] = some_pairs(128);
-    std::vector<Rgb> f(wl.size());
-    evaluate(texel(map, 0), wl, wv, f);
-    for (Rgb& colour : f) colour = {colour.r, colour.g, 1e6f * colour.b};
-    const TexelCoefficients found = coefficients_of_texels(map, {wl, wv, true}, f, 1);
-    for (const Rgb& colour : found.coefficient) EXPECT_LE(std::max({colour.r, colour.g, colour.b}), k_half_max);
+    const TexelMap map = map_of_two();
+    const SharedPairs pairs = pairs_above(128);
+    std::vector<Rgb> f(pairs.wl.size());
+    evaluate(texel(map, 0), pairs.wl, pairs.wv, f);
+    for (Rgb& colour : f) colour.b *= 1e6f;
+    const TexelCoefficients found = coefficients_of_texels(map, pairs, f, 1);
+    for (const Rgb& colour : found.coefficient) EXPECT_LE(largest_of(colour), k_half_max);
     EXPECT_GT(found.error[0], 0.3f);
 }
 
 /// Materials that are sums of the same three lobes are fitted by four, and do not depend on the number of threads.
 TEST(FitMap, SharedLobesAreFound) {
-    const TexelMap made = some_map();
+    const TexelMap made = map_of_two();
     std::vector<Measured> materials;
     for (const std::size_t t : {0, 1}) {
         const Model model = texel(made, t);
@@ -225,15 +204,13 @@ TEST(FitMap, SharedLobesAreFound) {
 
 /// A texel of one material is this material, and one of several their mean.
 TEST(FitMap, PaintedTexelsAreMeansOfMaterials) {
-    const TexelMap map = some_map();
+    const TexelMap map = map_of_two();
     const float fractions[] = {1, 0, 0.25f, 0.75f};
     const TexelCoefficients painted = painted_texels(map, fractions);
     EXPECT_EQ(painted.error, (std::vector<float>{1.5f, 0.75f}));
     for (std::size_t j = 0; j < 3; ++j) {
         EXPECT_EQ(painted.coefficient[j], map.coefficient[j]);
-        for (int c = 0; c < 3; ++c)
-            EXPECT_WITHIN(painted.coefficient[3 + j][c],
-                          0.25f * map.coefficient[j][c] + 0.75f * map.coefficient[3 + j][c], 1e-3f);
+        EXPECT_RGB_WITHIN(painted.coefficient[3 + j], mixed(map.coefficient[j], map.coefficient[3 + j], 0.75f), 1e-3f);
     }
 }
 

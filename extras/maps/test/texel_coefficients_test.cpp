@@ -1,27 +1,16 @@
 // Coefficients of texels in a basis: the solver, and texels that were measured badly.
-
-#include <limits>
-
-#include "base/half.h"
-#include "brdf/directions.h"
-#include "properties.h"
-#include "srbf/fit_map.h"
+#include "extras/maps/test/texel_values.h"
 
 namespace srbf::texel_coefficients_test {
 namespace {
 
-constexpr float k_nan = std::numeric_limits<float>::quiet_NaN();
-
-/// A diffuse lobe, a broad and a narrow highlight, with the coefficients of one texel.
-TexelMap three_lobes() {
+/// A map of one texel.
+TexelMap map_of_one() {
     TexelMap map;
-    PmModel& model = map.basis;
-    model.form = PmForm::horizon;
-    model.lobes = 3;
-    model.variates = 1;
-    model.coefficient.assign(3, {1, 1, 1}), model.log_scale.assign(3, 0), model.exponent.assign(3, 0);
-    model.centre.assign(3, {0, 0, 1}), model.bandwidth = {0, 10, 200}, model.parameterization = {{1, 1}};
-    map.width = 1, map.error = {0}, map.coefficient = {{0.25f, 0.2f, 0.1f}, {0, 0, 0}, {4, 4, 4}};
+    map.basis = three_lobes();
+    map.width = 1;
+    map.error = {0};
+    map.coefficient = {{0.25f, 0.2f, 0.1f}, {0, 0, 0}, {4, 4, 4}};
     return map;
 }
 
@@ -48,20 +37,20 @@ class BadTexels : public testing::Test {
         EXPECT_EQ(found.error[0], error);
         for (const Rgb& beta : found.coefficient) EXPECT_EQ(beta, Rgb());
     }
-    const TexelMap map = three_lobes();
-    SharedPairs pairs{{}, {}, true};
+    const TexelMap map = map_of_one();
+    SharedPairs pairs;
     std::vector<Rgb> good;
 };
 
 TEST_F(BadTexels, ValuesThatWereNotMeasuredAreCountedAndLeftOut) {
     std::vector<Rgb> f = good;
-    f[3].g = k_nan;
-    f[4].b = std::numeric_limits<float>::infinity();
+    f[3].g = NAN;
+    f[4].b = INFINITY;
     f[5] = {1e30f, 1e30f, 1e30f};
     const TexelCoefficients found = fit(f);
     EXPECT_EQ(found.left_out[0], 3u);
     expect_good(found, 0, 0.01f);
-    std::ranges::fill(f, Rgb{k_nan, 0, 0});
+    std::ranges::fill(f, Rgb{NAN, 0, 0});
     expect_dark(fit(f), TexelState::failed, 1);
     std::ranges::fill(f, Rgb{-1, -1, 0});
     expect_dark(fit(f), TexelState::black, 0);
@@ -71,17 +60,19 @@ TEST_F(BadTexels, OneHotPixelHasLittleWeightAndATexelTooBrightFails) {
     std::vector<Rgb> f = good;
     f[6] = {1e9f, 1e9f, 1e9f};
     expect_good(fit(f), 0, 0.01f);
-    for (Rgb& colour : f = good) colour = {colour.r, colour.g, 1e8f * colour.b};
+    f = good;
+    for (Rgb& colour : f) colour.b *= 1e8f;
     expect_dark(fit(f), TexelState::failed, 1);
 }
 
 TEST_F(BadTexels, APairWithoutLightAndFewPairsSuffice) {
-    const std::size_t count = 17;
-    pairs.wl.resize(count);
-    pairs.wv.resize(count);
-    good.resize(count);
-    std::vector<Rgb> f = good;
-    pairs.wl.push_back({1, 0, -0.01f}), pairs.wv.push_back({0, 0, 1}), f.push_back({7, 7, 7});
+    constexpr std::size_t k_few = 17;
+    pairs.wl.resize(k_few);
+    pairs.wv.resize(k_few);
+    std::vector<Rgb> f(good.begin(), good.begin() + k_few);
+    pairs.wl.push_back({1, 0, -0.01f});
+    pairs.wv.push_back({0, 0, 1});
+    f.push_back({7, 7, 7});
     const TexelCoefficients found = fit(f);
     EXPECT_EQ(found.left_out[0], 0u);
     expect_good(found, 0, 0.01f);
@@ -89,7 +80,7 @@ TEST_F(BadTexels, APairWithoutLightAndFewPairsSuffice) {
 
 TEST_F(BadTexels, ConstantTexelsAreConstant) {
     const TexelCoefficients found = fit(std::vector<Rgb>(good.size(), {0.1f, 0.2f, 0.3f}));
-    for (int c = 0; c < 3; ++c) EXPECT_WITHIN(found.coefficient[0][c], 0.1f * float(c + 1), 1e-3f);
+    EXPECT_RGB_WITHIN(found.coefficient[0], (Rgb{0.1f, 0.2f, 0.3f}), 1e-3f);
     for (std::size_t j = 1; j < 3; ++j) EXPECT_LT(found.coefficient[j].r, 1e-2f);
 }
 
@@ -98,10 +89,7 @@ TEST_F(BadTexels, TexelsDoNotDependOnEachOther) {
     std::vector<Rgb> f;
     const std::size_t count = 70, M = good.size();
     for (std::size_t t = 0; t < count; ++t)
-        for (std::size_t i = 0; i < M; ++i) {
-            const float factor = 0.1f + float((t * i) % 7);
-            f.push_back({factor * good[i].r, factor * good[i].g, factor * good[i].b});
-        }
+        for (std::size_t i = 0; i < M; ++i) f.push_back(scaled(0.1f + float((t * i) % 7), good[i]));
     f[66 * M + 1] = {1e9f, 1e9f, 1e9f};
     const TexelCoefficients all = fit(f);
     for (const std::size_t t : {std::size_t(0), std::size_t(63), std::size_t(66), count - 1}) {

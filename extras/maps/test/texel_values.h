@@ -3,11 +3,20 @@
 #include <algorithm>
 
 #include "brdf/directions.h"
+#include "models.h"
 #include "properties.h"
 #include "srbf/fit_map.h"
 #include "srbf/load.h"
 
 namespace srbf {
+
+/// Three axial lobes: diffuse, a broad and a narrow highlight.
+inline PmModel three_lobes() {
+    PmModel model = axial_gaussians(std::vector<Rgb>(3, {1, 1, 1}), {0, 10, 200});
+    model.form = PmForm::horizon;
+    model.exponent.assign(3, 0);
+    return model;
+}
 
 inline constexpr std::size_t k_pairs = 150;
 
@@ -40,14 +49,10 @@ inline std::vector<Rgb> blends(const SharedPairs& pairs, std::size_t count) {
     std::mt19937_64 random(2);
     std::vector<Rgb> f;
     for (std::size_t t = 0; t < count; ++t) {
-        const double fraction = double(t) / double(std::max<std::size_t>(count - 1, 1));
+        const float fraction = float(t) / float(std::max<std::size_t>(count - 1, 1));
         for (std::size_t i = 0; i < pairs.wl.size(); ++i) {
-            const Rgb x = value(*a, pairs.wl[i], pairs.wv[i]), y = value(*b, pairs.wl[i], pairs.wv[i]);
-            Rgb blend;
-            for (int c = 0; c < 3; ++c)
-                blend[c] =
-                    float(((1 - fraction) * double(x[c]) + fraction * double(y[c])) * (0.96 + 0.08 * uniform(random)));
-            f.push_back(blend);
+            f.push_back(mixed(value(*a, pairs.wl[i], pairs.wv[i]), value(*b, pairs.wl[i], pairs.wv[i]), fraction));
+            for (int c = 0; c < 3; ++c) f.back()[c] *= float(0.96 + 0.08 * uniform(random));
         }
     }
     return f;

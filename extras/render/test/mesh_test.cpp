@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "../fuzz/targets.h"
-#include "properties.h"
+#include "bad_texts.h"
 #include "srbf/file.h"
 #include "temporary_folder.h"
 
@@ -199,44 +199,38 @@ TEST(Mesh, FilesHavePlacesInAMap) {
     expect(turned, {corner_places, corner_places, corner_places, corner_places});
 }
 
-/// The error of a file with `part` replaced by `by`.
-std::string error_after(std::string file, const std::string& part = "", const std::string& by = "") {
-    const auto at = file.find(part);
-    if (at == file.npos) return ADD_FAILURE() << "no " << part, "";
-    const auto mesh = read(file.replace(at, part.size(), by));
-    return mesh ? "none" : message(mesh.error());
-}
+constexpr const char* k_no_faces = "f: faces of the mesh: expected one at least, found none";
 
 TEST(Ply, BadFilesAreErrors) {
     const std::string ascii = corpus("ply/ascii"), little = corpus("ply/little");
-    EXPECT_EQ(error_after(ascii), "none");
-    EXPECT_EQ(error_after(ascii, "face 4", "face 0"), "f: faces of the mesh: expected one at least, found none");
-    EXPECT_EQ(error_after(ascii, "1 2 3\n", "1 2 4\n"), "f: vertex index of a face: expected below 4, found 4");
-    EXPECT_CONTAINS(error_after(ascii, "1 2 3\n", "1 2 -3\n"), "expected a number from 0 on, found -3");
-    EXPECT_CONTAINS(error_after(ascii, "1 2 3\n", "1 2 3.5\n"), "found 3.5");
-    EXPECT_CONTAINS(error_after(ascii, "1 0 0 1 0 0", "1 nan 0 1 0 0"), "vertex 2 of 4: expected finite");
-    EXPECT_CONTAINS(error_after(ascii, "1 0 0 1 0 0", "1 0 1e99 1 0 0"), "vertex 2 of 4");
-    EXPECT_CONTAINS(error_after(ascii, "1 0 0 1 0 0", "1 0 0 1 inf 0"), "vertex 2 of 4");
-    EXPECT_CONTAINS(error_after(ascii, "1 0 0 1 0 0", "1 zero 0 1 0 0"), "found 'zero'");
-    EXPECT_CONTAINS(error_after(ascii, "float y", "float w"), "expected x, y and z");
-    EXPECT_CONTAINS(error_after(ascii, "float y", "single y"), "line 6: type of a property");
-    EXPECT_CONTAINS(error_after(ascii, "ascii", "ebcdic"), "line 2: format");
-    EXPECT_CONTAINS(error_after(ascii, "end_header", "end"), "no end_header");
-    EXPECT_CONTAINS(error_after(ascii, "element face", "element vertex"), "one vertex, found a second one");
-    EXPECT_CONTAINS(error_after(ascii, "uchar int", "float int"), "type of a list's length");
-    EXPECT_CONTAINS(error_after(ascii, "\n3 1 2 3", "\n3000000000 1 2 3"), "length of a list of face 4");
+    EXPECT_EQ(error_text(read(ascii)), "");
+    expect_errors(read, ascii,
+                  {{"face 4", "face 0", k_no_faces},
+                   {"1 2 3\n", "1 2 4\n", "f: vertex index of a face: expected below 4, found 4"},
+                   {"1 2 3\n", "1 2 -3\n", "expected a number from 0 on, found -3"},
+                   {"1 2 3\n", "1 2 3.5\n", "found 3.5"},
+                   {"1 0 0 1 0 0", "1 nan 0 1 0 0", "vertex 2 of 4: expected finite"},
+                   {"1 0 0 1 0 0", "1 0 1e99 1 0 0", "vertex 2 of 4"},
+                   {"1 0 0 1 0 0", "1 0 0 1 inf 0", "vertex 2 of 4"},
+                   {"1 0 0 1 0 0", "1 zero 0 1 0 0", "found 'zero'"},
+                   {"float y", "float w", "expected x, y and z"},
+                   {"float y", "single y", "line 6: type of a property"},
+                   {"ascii", "ebcdic", "line 2: format"},
+                   {"end_header", "end", "no end_header"},
+                   {"element face", "element vertex", "one vertex, found a second one"},
+                   {"uchar int", "float int", "type of a list's length"},
+                   {"\n3 1 2 3", "\n3000000000 1 2 3", "length of a list of face 4"}});
     for (const std::string& file : {ascii, little})
         for (const char* count :
              {"9", "4294967295", "4294967296", "18446744073709551615", "18446744073709551616", "-1"})
-            EXPECT_NE(error_after(file, "vertex 4", std::string("vertex ") + count), "none") << count;
+            EXPECT_NE(error_text(read(replaced(file, "vertex 4", std::string("vertex ") + count))), "") << count;
 }
 
 TEST(Ply, EveryTruncationIsAnError) {
     for (const std::string name : {"ply/little", "ply/big", "ply/ascii"}) {
-        const std::string file = corpus(name);
+        SCOPED_TRACE(name);
         // The last number of a text ends with the file as well as with a line.
-        for (std::size_t size = 0; size + (name == "ply/ascii" ? 1 : 0) < file.size(); ++size)
-            EXPECT_FALSE(read(file.substr(0, size)).ok()) << name << ' ' << size;
+        expect_truncations_refused(read, corpus(name), name == "ply/ascii" ? 2 : 1);
     }
 }
 
@@ -253,27 +247,26 @@ TEST(Mesh, FlippedBytesBreakNoPromise) {
 }
 
 TEST(Obj, BadFilesAreErrors) {
-    const std::string file = corpus("obj/normals");
-    EXPECT_CONTAINS(error_after(file, "v 1 0 0", "v 1 nan 0"), "line 4: v: expected three numbers");
-    EXPECT_CONTAINS(error_after(file, "v 1 0 0", "v 1 0"), "line 4");
-    EXPECT_CONTAINS(error_after(file, "2/1/1", "5/1/1"), "line 10: corner of a face");
-    EXPECT_CONTAINS(error_after(file, "2/1/1", "2/1/3"), "line 10");
-    EXPECT_CONTAINS(error_after(file, "2/1/1", "0/1/1"), "line 10");
-    EXPECT_CONTAINS(error_after(file, "-4//-1", "-5//-1"), "line 11");
-    EXPECT_CONTAINS(error_after(file, "-4//-1", "x"), "found 'x'");
-    EXPECT_EQ(error_after("v 0 0 0\nf 1 1\n"), "f: faces of the mesh: expected one at least, found none");
-    EXPECT_EQ(error_after(""), "f: faces of the mesh: expected one at least, found none");
+    expect_errors(read, corpus("obj/normals"),
+                  {{"v 1 0 0", "v 1 nan 0", "line 4: v: expected three numbers"},
+                   {"v 1 0 0", "v 1 0", "line 4"},
+                   {"2/1/1", "5/1/1", "line 10: corner of a face"},
+                   {"2/1/1", "2/1/3", "line 10"},
+                   {"2/1/1", "0/1/1", "line 10"},
+                   {"-4//-1", "-5//-1", "line 11"},
+                   {"-4//-1", "x", "found 'x'"}});
+    for (const char* text : {"v 0 0 0\nf 1 1\n", ""}) EXPECT_EQ(error_text(read(text)), k_no_faces);
 }
 
 /// A triangle with sides of that length.
 std::string triangle(const char* length) { return fmt::format("v 0 0 0\nv {0} 0 0\nv 0 {0} 0\nf 1 2 3\n", length); }
 
 TEST(Obj, SizesThatNoSceneHasAreErrors) {
-    for (const char* length : {"1e7", "-1e7", "1e-7"}) EXPECT_EQ(error_after(triangle(length)), "none") << length;
+    for (const char* length : {"1e7", "-1e7", "1e-7"}) EXPECT_EQ(error_text(read(triangle(length))), "") << length;
     for (const char* length : {"1.1e7", "-1.1e7", "1e18", "3.4e38"})
-        EXPECT_CONTAINS(error_after(triangle(length)), "coordinates of the mesh: expected at most 1e+07");
+        EXPECT_CONTAINS(error_text(read(triangle(length))), "coordinates of the mesh: expected at most 1e+07");
     for (const char* length : {"9e-8", "1e-38", "0"})
-        EXPECT_CONTAINS(error_after(triangle(length)), "extent of the mesh: expected at least 1e-07");
+        EXPECT_CONTAINS(error_text(read(triangle(length))), "extent of the mesh: expected at least 1e-07");
 }
 
 TEST(Mesh, IsLoadedByItsNameOrItsFile) {

@@ -10,9 +10,11 @@
 #include "app/html.h"
 #include "base/printable.h"
 #include "brdf/parts.h"
+#include "brdf_functions.h"
 #include "extras/render/chart.h"
 #include "extras/render/scene.h"
 #include "extras/render/slices.h"
+#include "extras/render/test/psnr.h"
 #include "models.h"
 #include "models/ggx/ggx_kind.h"
 #include "models/pm/search/fit_pm.h"
@@ -67,12 +69,6 @@ Page all_kinds() {
     return page;
 }
 
-std::size_t count(const std::string& text, std::string_view what) {
-    std::size_t n = 0;
-    for (std::size_t at = 0; (at = text.find(what, at)) != text.npos; at += what.size()) ++n;
-    return n;
-}
-
 TEST(Page, HoldsItsShadersAndLoadsNothing) {
     const Page page = all_kinds();
     const std::string html = page_html(page);
@@ -83,33 +79,33 @@ TEST(Page, HoldsItsShadersAndLoadsNothing) {
         EXPECT_LACKS(html, outside);
     EXPECT_LACKS(html, "<every>");
     EXPECT_LACKS(html, "{{");
-    EXPECT_EQ(count(html, "<canvas"), page.materials.size() + 1);  // and the difference of the first two
-    EXPECT_EQ(count(html, "<svg class="), k_slice_theta.size());
-    EXPECT_EQ(count(html, "<script"), 2u);
-    EXPECT_EQ(count(html, "</script>"), 2u);
+    EXPECT_EQ(count_of(html, "<canvas"), page.materials.size() + 1);  // and the difference of the first two
+    EXPECT_EQ(count_of(html, "<svg class="), k_slice_theta.size());
+    EXPECT_EQ(count_of(html, "<script"), 2u);
+    EXPECT_EQ(count_of(html, "</script>"), 2u);
     // Without a picture the plots and the table remain.
     Page blind = page;
     for (PageMaterial& shown : blind.materials) shown.material.reset();
     const std::string plots = page_html(blind);
-    EXPECT_EQ(count(plots, "<figure"), 0u);
-    EXPECT_EQ(count(plots, "<svg class="), k_slice_theta.size());
+    EXPECT_EQ(count_of(plots, "<figure"), 0u);
+    EXPECT_EQ(count_of(plots, "<svg class="), k_slice_theta.size());
     EXPECT_LT(plots.size(), html.size());
     // A page with one material has no buttons to choose, and no difference picture.
     Page one = page;
     one.materials.resize(1);
     one.table[0].cells.resize(1);
     const std::string single = page_html(one);
-    EXPECT_EQ(count(single, "<canvas"), 1u);
-    EXPECT_EQ(count(single, "<button type='button' data-show"), 0u);
-    EXPECT_EQ(count(single, "material differs"), 0u);
+    EXPECT_EQ(count_of(single, "<canvas"), 1u);
+    EXPECT_EQ(count_of(single, "<button type='button' data-show"), 0u);
+    EXPECT_EQ(count_of(single, "material differs"), 0u);
     // The user's own mesh is selected first.
-    EXPECT_EQ(count(html, "<select name=\"mesh\"><option value=\"own\">&lt;own&gt;</option>"), 1u);
+    EXPECT_EQ(count_of(html, "<select name=\"mesh\"><option value=\"own\">&lt;own&gt;</option>"), 1u);
     Page built_in = one;
     built_in.mesh.reset();
-    EXPECT_EQ(count(page_html(built_in), "<select name=\"mesh\"><option value=\"ball\">"), 1u);
+    EXPECT_EQ(count_of(page_html(built_in), "<select name=\"mesh\"><option value=\"ball\">"), 1u);
     // Only a material that transmits light has the light behind.
-    EXPECT_EQ(count(html, "name='behind'"), 1u);
-    EXPECT_EQ(count(single, "name='behind'"), 0u);
+    EXPECT_EQ(count_of(html, "name='behind'"), 1u);
+    EXPECT_EQ(count_of(single, "name='behind'"), 0u);
 }
 
 /// The points of the drawing's curves.
@@ -126,20 +122,13 @@ std::vector<std::vector<std::array<double, 2>>> curves_of(const std::string& svg
 }
 
 TEST(Slices, AreLogarithmicAndPeakAtTheMirrorDirection) {
-    const auto constant = [](float f) -> Evaluate {
-        return [f](auto, auto, std::span<Rgb> out) { std::ranges::fill(out, Rgb{f, f, f}); };
-    };
-    const Evaluate shiny = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) {
-        for (std::size_t i = 0; i < out.size(); ++i) {
-            const float f = std::exp(1000 * (dot(mirror(wl[i]), wv[i]) - 1));
-            out[i] = {f, f, f};
-        }
-    };
-    const Evaluate half_known = [](auto, std::span<const Vec3f> wv, std::span<Rgb> out) {
-        for (std::size_t i = 0; i < out.size(); ++i) out[i] = wv[i].x > 0 ? Rgb{1, 1, 1} : Rgb{NAN, NAN, NAN};
-    };
-    const SliceCurve plotted[] = {
-        {"a", "red", constant(10)}, {"b", "red", constant(0.1f)}, {"c", "red", shiny}, {"d", "red", half_known}};
+    const Evaluate shiny =
+        pairwise([](Vec3f wl, Vec3f wv) { return grey(std::exp(1000 * (dot(mirror(wl), wv) - 1))); });
+    const Evaluate half_known = pairwise([](Vec3f, Vec3f wv) { return grey(wv.x > 0 ? 1 : NAN); });
+    const SliceCurve plotted[] = {{"a", "red", constant_brdf(grey(10))},
+                                  {"b", "red", constant_brdf(grey(0.1))},
+                                  {"c", "red", shiny},
+                                  {"d", "red", half_known}};
     const auto curves = curves_of(slice_drawing(plotted, 60 * k_degree));
     ASSERT_EQ(curves.size(), 4u);
     const double ten = curves[0][0][1], tenth = curves[1][0][1];
@@ -158,18 +147,13 @@ TEST(Slices, AreLogarithmicAndPeakAtTheMirrorDirection) {
 // Two scans over eight decades, one sample out of the plane: points where the model's curve is.
 TEST(Slices, ScansShowSamplesOverTheAngleFromTheMirror) {
     const auto peak = [](double from_mirror) { return 1e4 * std::pow(10.0, -std::abs(from_mirror) / 10); };
-    const Evaluate model = [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) {
-        for (std::size_t i = 0; i < out.size(); ++i) {
-            const double l = std::atan2(wl[i].x, wl[i].z), v = std::atan2(-wv[i].x, wv[i].z);
-            out[i].r = out[i].g = out[i].b = float(peak((v - l) / k_degree));
-        }
-    };
+    const Evaluate model = pairwise(
+        [&](Vec3f wl, Vec3f wv) { return grey(peak((std::atan2(-wv.x, wv.z) - std::atan2(wl.x, wl.z)) / k_degree)); });
     ScatteredSamples samples;
     const auto add = [&](double theta_l, double theta_v, double phi) {
         samples.wl.push_back(to_float(spherical(theta_l * k_degree, 1.0)));
         samples.wv.push_back(to_float(spherical(theta_v * k_degree, 1 + phi)));
-        const auto f = float(peak(theta_v - theta_l));
-        samples.colour.push_back({f, f, f});
+        samples.colour.push_back(grey(peak(theta_v - theta_l)));
     };
     for (const double theta_l : {60.0, 30.0})
         for (double theta_v = -80; theta_v <= 80; theta_v += 4) add(theta_l, theta_v, k_pi);
@@ -197,13 +181,10 @@ TEST(Slices, ScansShowSamplesOverTheAngleFromTheMirror) {
 }
 
 TEST(Slices, LobesReachAsFarAsTheyAreBright) {
-    const auto constant = [](float f) -> Evaluate {
-        return [f](auto, auto, std::span<Rgb> out) { std::ranges::fill(out, Rgb{f, f, f}); };
-    };
-    const SliceCurve plotted[] = {{"a", "red", constant(10)},
-                                  {"b", "red", constant(5)},
-                                  {"c", "red", constant(0.1f)},
-                                  {"d", "red", constant(99)}};
+    const SliceCurve plotted[] = {{"a", "red", constant_brdf(grey(10))},
+                                  {"b", "red", constant_brdf(grey(5))},
+                                  {"c", "red", constant_brdf(grey(0.1))},
+                                  {"d", "red", constant_brdf(grey(99))}};
     const double x0 = 180, y0 = 190;
     const auto radii = [&](LobeScale scale) {
         std::vector<double> all;
@@ -230,13 +211,10 @@ TEST(Slices, LobesReachAsFarAsTheyAreBright) {
 
 TEST(Slices, BothSidesAreDrawnAroundTheCircle) {
     // 10 is reflected at the front, 5 at the back, 0.1 transmitted to the back and 1 to the front.
-    const Evaluate f = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) {
-        constexpr float part_values[] = {10, 5, 0.1f, 1};
-        for (std::size_t i = 0; i < out.size(); ++i) {
-            const float value = part_values[std::size_t(to_part_frame(wl[i], wv[i])->part)];
-            out[i] = {value, value, value};
-        }
-    };
+    const Evaluate f = pairwise([](Vec3f wl, Vec3f wv) {
+        constexpr double part_values[] = {10, 5, 0.1, 1};
+        return grey(part_values[std::size_t(to_part_frame(wl, wv)->part)]);
+    });
     const SliceCurve plotted[] = {{"a", "red", f, true}};
     const double x0 = 180, y0 = 186, radius = 140;
     const auto radii = [&](double theta, LobeScale scale) {  // above and below
@@ -271,8 +249,8 @@ TEST(Slices, BothSidesAreDrawnAroundTheCircle) {
     page.materials.push_back({"shade", "kind", {}, f, true, ""});
     page.table.push_back({"bytes", "", {"1"}});
     const std::string html = page_html(page);
-    EXPECT_EQ(count(html, "<svg class='slice lobes'"), k_slice_theta.size() + k_slice_theta_behind.size());
-    EXPECT_EQ(count(html, "all around"), 1u);
+    EXPECT_EQ(count_of(html, "<svg class='slice lobes'"), k_slice_theta.size() + k_slice_theta_behind.size());
+    EXPECT_EQ(count_of(html, "all around"), 1u);
 }
 
 TEST(Charts, AreLogarithmicInBothDirections) {
@@ -292,7 +270,7 @@ TEST(Charts, AreLogarithmicInBothDirections) {
                       (curves[0][0][std::size_t(axis)] + curves[0][2][std::size_t(axis)]) / 2, 0.11);
     EXPECT_LT(curves[0][0][0], curves[0][2][0]);
     EXPECT_LT(curves[0][0][1], curves[0][2][1]);  // y goes downwards
-    EXPECT_EQ(count(svg, "<circle"), 4u);         // of the second, what can be shown
+    EXPECT_EQ(count_of(svg, "<circle"), 4u);      // of the second, what can be shown
     for (const char* label : {">0.1 %<", ">1 %<", ">10 %<", ">16<"}) EXPECT_CONTAINS(svg, label);
 }
 
@@ -310,23 +288,14 @@ TEST(Html, Base64IsTheStandardsAndFieldsAreFilledOnce) {
 /// PSNR [dB] over the pixels where either picture is not background.
 double psnr(const std::string& rgba, const Image8& other) {
     EXPECT_EQ(rgba.size(), 4 * other.pixels.size());
-    double squares = 0, seen = 0;
     const Rgb8 background = other.pixels[0];
+    Psnr psnr;
     for (std::size_t i = 0; i < other.pixels.size(); ++i) {
-        double squared_difference = 0;
-        bool covered = false;
-        for (std::size_t c = 0; c < 3; ++c) {
-            const auto pixel = std::uint8_t(rgba[4 * i + c]);
-            squared_difference += std::pow(double(pixel) - double(other.pixels[i][c]), 2);
-            covered = covered || pixel != background[c] || other.pixels[i][c] != background[c];
-        }
-        if (covered) {
-            squares += squared_difference;
-            seen += 3;
-        }
+        const Rgb8 pixel = pixel_of(rgba, i);
+        if (pixel != background || other.pixels[i] != background) psnr.add(pixel, other.pixels[i]);
     }
-    EXPECT_GT(seen, 0.1 * 3 * double(other.pixels.size()));
-    return 10 * std::log10(255 * 255 * seen / std::max(squares, 1e-9));
+    EXPECT_GT(psnr.count, 0.1 * 3 * double(other.pixels.size()));
+    return psnr.decibels();
 }
 
 /// The scene that the page says it drew.
@@ -384,8 +353,7 @@ Image8 traced_picture(const Json& picture, const Material& material) {
 /// The picture of that scene by the desktop's rasterizer.
 Image8 desktop_picture(const Json& picture, const RasterMaterial& material) {
     const int width = picture.at("width"), height = picture.at("height");
-    const auto target = RasterTarget::make(width, height, 4, RasterTarget::Format::bytes);
-    if (!target) return ADD_FAILURE() << message(target.error()), Image8(width, height);
+    const auto target = checked(RasterTarget::make(width, height, 4, RasterTarget::Format::bytes));
     const Scene scene = scene_in(picture);
     target->begin();
     material.draw(RasterMesh(scene.mesh),
@@ -427,11 +395,8 @@ struct StepPictures {
 /// Compares each picture with the desktop's.
 StepPictures compared_pictures(const Page& page, const Json& pictures, const TemporaryFolder& folder, Dialect dialect) {
     std::vector<RasterMaterial> materials;
-    for (const PageMaterial& shown : page.materials) {
-        auto made = RasterMaterial::make(*shown.material, {.dialect = dialect});
-        if (!made) return ADD_FAILURE() << message(made.error()), StepPictures();
-        materials.push_back(*std::move(made));
-    }
+    for (const PageMaterial& shown : page.materials)
+        materials.push_back(*checked(RasterMaterial::make(*shown.material, {.dialect = dialect})));
     StepPictures steps;
     for (const Json& picture : pictures) {
         const std::string step = picture["step"], rgba = read_text(folder / std::string(picture["file"]));

@@ -3,13 +3,13 @@
 
 #include <tbb/global_control.h>
 
-#include <algorithm>
-
+#include "brdf_functions.h"
+#include "command.h"
 #include "extras/render/exr.h"
 #include "extras/render/rays.h"
 #include "models.h"
-#include "program.h"
 #include "srbf/file.h"
+#include "statistics.h"
 #include "su_models.h"
 
 namespace srbf::path_test {
@@ -49,12 +49,12 @@ PathOptions small(int samples, int size = 24) {
 }
 
 /// A square of 20 × 20 about the origin that faces +z, seen from (0, 0, 5) with a field of view so small that it is a
-/// single point.
+/// single point. A map has its first row at the top.
 const Mesh& plane_mesh() {
     static const Mesh mesh{{{-10, -10, 0}, {10, -10, 0}, {10, 10, 0}, {-10, 10, 0}},
                            std::vector<Vec3f>(4, {0, 0, 1}),
                            {{0, 1, 2}, {0, 2, 3}},
-                           {}};
+                           {{{{0, 1}, {1, 1}, {1, 0}}}, {{{0, 1}, {1, 0}, {0, 0}}}}};
     return mesh;
 }
 PathScene plane_scene(const PreparedBrdf& brdf) {
@@ -63,32 +63,16 @@ PathScene plane_scene(const PreparedBrdf& brdf) {
     return scene;
 }
 
-struct Mean {
-    double value, deviation;
-};
-/// Statistics of the green channel of all pixels, as independent samples of one number.
-Mean mean_of(const Image& image) {
-    double sum = 0, squares = 0;
-    for (const Rgb& pixel : image.pixels) {
-        sum += double(pixel.g);
-        squares += double(pixel.g) * double(pixel.g);
-    }
-    const double n = double(image.pixels.size()), mean = sum / n;
-    return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean) / n)};
+Image drawn(const PathScene& scene, const PathOptions& options) { return drawn(scene, options); }
+/// The green channel of all pixels, as independent samples of one number.
+Moments greens_of(const Image& image) {
+    Moments greens;
+    for (const Rgb& pixel : image.pixels) greens.add(double(pixel.g));
+    return greens;
 }
+Moments drawn_greens(const PathScene& scene, const PathOptions& options) { return greens_of(drawn(scene, options)); }
 
-/// A glossy model, and other representations of it.
-PmModel glossy() {
-    PmModel model;
-    model.lobes = 2;
-    model.variates = 1;
-    model.coefficient = {{0.2f, 0.2f, 0.2f}, {1.5f, 1.5f, 1.5f}};
-    model.log_scale = {0, 0};
-    model.centre = {{0, 0, 1}, {0, 0, 1}};
-    model.bandwidth = {0, 60};
-    model.parameterization = {{1, 1}};
-    return model;
-}
+PmModel glossy() { return axial_gaussians({{0.2f, 0.2f, 0.2f}, {1.5f, 1.5f, 1.5f}}, {0, 60}); }
 
 /// A BSDF of both sides that scatters or passes all light: a quarter is reflected, as much transmitted, half passes
 /// unscattered.
@@ -109,8 +93,8 @@ TEST_F(Path, ThinSpherePassesTheWhiteFurnaceTest) {
     scene.materials = {lossless()};
     PathOptions options = small(256);
     options.bounces = 64;
-    const Mean mean = mean_of(render_paths(scene, options).rendering.radiance);
-    EXPECT_WITHIN(mean.value, 1, 3 * mean.deviation + 0.003);
+    const Moments greens = drawn_greens(scene, options);
+    EXPECT_WITHIN(greens.mean(), 1, 3 * greens.deviation_of_mean() + 0.003);
 }
 
 /// Through a plane in front of light on one side, from either side: what passes unscattered and what is transmitted.
@@ -125,22 +109,16 @@ TEST_F(Path, LightPassesThroughAPlane) {
         if (eye < 0) std::swap(light.x, light.y);  // towards the plane
         scene.area_lights = {light};
         const double h = 2, q = std::sqrt(1 + h * h), form = 4 / k_pi * 1 / q * std::atan(1 / q);
-        const Mean mean = mean_of(render_paths(scene, small(64, 32)).rendering.radiance);
-        EXPECT_WITHIN(mean.value, 0.5 + 0.25 * form, 4 * mean.deviation + 1e-3) << eye;
+        const Moments greens = drawn_greens(scene, small(64, 32));
+        EXPECT_WITHIN(greens.mean(), 0.5 + 0.25 * form, 4 * greens.deviation_of_mean() + 1e-3) << eye;
     }
 }
 
 TEST_F(Path, PassesTheWhiteFurnaceTest) {
-    const PmModel model = [] {
-        PmModel white = glossy();
-        white.coefficient = {{float(1 / k_pi), float(1 / k_pi), float(1 / k_pi)}, {0, 0, 0}};
-        return white;
-    }();
+    const PmModel model = axial_gaussians({grey(1 / k_pi)}, {0});
     const MixtureProposal mixture = propose(evaluator(model));
     for (const PreparedBrdf& brdf : {diffuse({1, 1, 1}), prepare(model, mixture)}) {
-        const PathPicture picture = render_paths(sphere_scene(brdf, &uniform_light()), small(400, 32));
-        const Mean mean = mean_of(picture.rendering.radiance);
-        EXPECT_WITHIN(mean.value, 1, 1e-3);
+        EXPECT_WITHIN(drawn_greens(sphere_scene(brdf, &uniform_light()), small(400, 32)).mean(), 1, 1e-3);
     }
 }
 
@@ -151,10 +129,10 @@ TEST_F(Path, NothingIsLostBetweenWhiteSurfaces) {
     scene.bodies.push_back({&ground, 0});
     PathOptions options = small(200, 32);
     options.bounces = 1000;
-    const Mean mean = mean_of(render_paths(scene, options).rendering.radiance);
-    EXPECT_WITHIN(mean.value, 1, 3e-3);
+    const Moments greens = drawn_greens(scene, options);
+    EXPECT_WITHIN(greens.mean(), 1, 3e-3);
     options.bounces = 1;
-    EXPECT_LT(mean_of(render_paths(scene, options).rendering.radiance).value, 0.97);
+    EXPECT_LT(drawn_greens(scene, options).mean(), 0.97);
 }
 
 TEST_F(Path, DirectionalLightMatchesTheClosedForm) {
@@ -177,9 +155,9 @@ TEST_F(Path, AreaLightMatchesTheClosedForm) {
         const float t = float(2 * s);
         scene.area_lights = {{{float(-s), float(-s), float(d)}, {0, t, 0}, {t, 0, 0}, {2, 2, 2}}};  // shines to -z
         scene.camera.eye = {3, 0, 4};
-        const Mean mean = mean_of(render_paths(scene, small(300)).rendering.radiance);
+        const Moments greens = drawn_greens(scene, small(300));
         if (!glossy_surface) {
-            EXPECT_WITHIN_RELATIVE(mean.value, 0.5 / k_pi * 2 * 4 * quarter, 4e-3);
+            EXPECT_WITHIN_RELATIVE(greens.mean(), 0.5 / k_pi * 2 * 4 * quarter, 4e-3);
         } else {
             double expected = 0;  // by points of the square
             const Vec3f wv = normalize(Vec3f{3, 0, 4});
@@ -191,12 +169,12 @@ TEST_F(Path, AreaLightMatchesTheClosedForm) {
                     expected += double(value(model, to_float((1 / r) * p), wv).g) * 2 * (d / r) * (d / r) / (r * r) *
                                 (2 * s / n) * (2 * s / n);
                 }
-            EXPECT_WITHIN(mean.value, expected, 5 * mean.deviation + 1e-3 * expected);
+            EXPECT_WITHIN(greens.mean(), expected, 5 * greens.deviation_of_mean() + 1e-3 * expected);
         }
         // From behind it is dark, and so it is to a viewer below it.
         scene.camera.eye = {3, 0, 1};
         scene.area_lights[0] = {{float(-s), float(-s), float(d)}, {t, 0, 0}, {0, t, 0}, {2, 2, 2}};
-        EXPECT_EQ(mean_of(render_paths(scene, small(4)).rendering.radiance).value, 0);
+        EXPECT_EQ(drawn_greens(scene, small(4)).mean(), 0);
     }
 }
 
@@ -216,12 +194,10 @@ TEST_F(Path, AllWaysToDrawGiveOnePicture) {
     const PmModel model = glossy();
     const SuModel su = isotropic_su(64);
     const auto with = [&](const auto& brdf, const Proposal& proposal) {
-        return mean_of(render_paths(sphere_scene(prepare(brdf, proposal), &light), small(100, 40)).rendering.radiance);
+        return drawn_greens(sphere_scene(prepare(brdf, proposal), &light), small(100, 40)).mean();
     };
-    // The pixels differ by what they show as well, so that the deviation is an upper bound.
-    const auto expect_one = [](Mean a, Mean b) { EXPECT_WITHIN(a.value, b.value, 0.01 * b.value); };
-    expect_one(with(model, CosineProposal{}), with(model, propose(evaluator(model))));
-    expect_one(with(su, CosineProposal{}), with(su, propose(su)));
+    EXPECT_WITHIN_RELATIVE(with(model, CosineProposal{}), with(model, propose(evaluator(model))), 0.01);
+    EXPECT_WITHIN_RELATIVE(with(su, CosineProposal{}), with(su, propose(su)), 0.01);
 }
 
 /// A map of the two lobes of `glossy`, by the coefficients of each texel.
@@ -240,33 +216,32 @@ TEST_F(Path, AConstantMapIsItsModel) {
     const TexelMap map = glossy_map(std::vector(6, coefficients), 3);
     const PreparedMap prepared = prepare_map(map);
     PathScene scene = sphere_scene(prepare(texel(map, 0)), &uniform_light());
-    const auto drawn = [&](const PathMaterial& material, std::uint64_t seed) {
+    const auto drawn_with = [&](const PathMaterial& material, std::uint64_t seed) {
         scene.materials = {material};
         PathOptions options = small(256);
         options.bounces = 1;
         options.seed = seed;
-        return render_paths(scene, options).rendering.radiance;
+        return drawn(scene, options);
     };
-    const Mean model = mean_of(drawn(scene.materials[0], 1)), same = mean_of(drawn(prepared, 2));
-    EXPECT_WITHIN(same.value, model.value, 2e-3);  // four deviations of the difference of two seeds
+    const double model = greens_of(drawn_with(scene.materials[0], 1)).mean(),
+                 same = greens_of(drawn_with(prepared, 2)).mean();
+    EXPECT_WITHIN(same, model, 2e-3);  // four deviations of the difference of two seeds
     // Values alone, without noise.
     scene.environment = nullptr;
     scene.lights = {{normalize(Vec3d{-1, 1, 2}), {1, 1, 1}}};
-    const Image expected = drawn(prepare(texel(map, 0)), 1), found = drawn(prepared, 1);
+    const Image expected = drawn_with(prepare(texel(map, 0)), 1), found = drawn_with(prepared, 1);
     for (std::size_t i = 0; i < found.pixels.size(); ++i)
-        for (int c = 0; c < 3; ++c)
-            EXPECT_WITHIN(found.pixels[i][c], expected.pixels[i][c], 1e-5 + 1e-4 * double(expected.pixels[i][c]));
+        EXPECT_RGB_WITHIN_RELATIVE(found.pixels[i], expected.pixels[i], 1e-4, 1e-5);
 }
 
 TEST_F(Path, AMapShowsEachOfItsTexels) {
     const std::array<Rgb, 2> red{{{0.2f, 0, 0}, {}}}, green{{{0, 0.2f, 0}, {}}};
-    Mesh mesh = plane_mesh();  // u to the right, the first row at the top
-    mesh.texture = {{{{0, 1}, {1, 1}, {1, 0}}}, {{{0, 1}, {1, 0}, {0, 0}}}};
-    PathScene scene{{{&mesh, 0}}, {prepare_map(glossy_map({red, green, green, green}, 2))}, {}, {}, {}, nullptr};
+    PathScene scene{
+        {{&plane_mesh(), 0}}, {prepare_map(glossy_map({red, green, green, green}, 2))}, {}, {}, {}, nullptr};
     scene.lights = {{{0, 0, 1}, {1, 1, 1}}};
     const auto at = [&](double x, double y) {
         scene.camera = {{x, y, 5}, {x, y, 0}, {0, 1, 0}, 1e-4};
-        const Rgb f = render_paths(scene, small(1, 1)).rendering.radiance.pixels[0];
+        const Rgb f = drawn(scene, small(1, 1)).pixels[0];
         return std::array<double, 2>{double(f.r), double(f.g)};
     };
     const auto expect = [&](double x, double y, double red_share) {
@@ -285,22 +260,18 @@ TEST_F(Path, AMaskMixesMaterials) {
     const auto colour = [](const Rgb& albedo) -> PreparedBsdf {
         return prepare(Model{GgxModel{albedo, {{1, {}, 0}}}, {}});
     };
-    Mesh mesh = plane_mesh();
-    mesh.texture = {{{{0, 1}, {1, 1}, {1, 0}}}, {{{0, 1}, {1, 0}, {0, 0}}}};
     Image mask(2, 1);
     mask.pixels = {{0, 0, 0}, {0.5f, 0.25f, 0}};
-    PathScene scene{{{&mesh, 0}}, {}, {}, {{{0, 0, 1}, {float(k_pi), float(k_pi), float(k_pi)}}}, {}, nullptr};
+    PathScene scene{{{&plane_mesh(), 0}}, {}, {}, {{{0, 0, 1}, {float(k_pi), float(k_pi), float(k_pi)}}}, {}, nullptr};
     const auto at = [&](double x) {
         scene.camera = {{x, 0, 5}, {x, 0, 0}, {0, 1, 0}, 1e-4};
-        return render_paths(scene, small(4096, 1)).rendering.radiance.pixels[0];
+        return drawn(scene, small(4096, 1)).pixels[0];
     };
     scene.materials = {MaskedMaterials{{colour({1, 0, 0}), colour({0, 1, 0}), colour({0, 0, 1})}, mask}};
     EXPECT_WITHIN(at(-5).r, 1, 1e-4);
     const Rgb mixed = at(5), between = at(0);
-    for (int c = 0; c < 3; ++c) {
-        EXPECT_WITHIN(mixed[c], (std::array{0.25, 0.5, 0.25}[std::size_t(c)]), 0.03) << c;
-        EXPECT_WITHIN(between[c], (std::array{0.625, 0.25, 0.125}[std::size_t(c)]), 0.03) << c;
-    }
+    EXPECT_RGB_WITHIN(mixed, (Rgb{0.25f, 0.5f, 0.25f}), 0.03);
+    EXPECT_RGB_WITHIN(between, (Rgb{0.625f, 0.25f, 0.125f}), 0.03);
     scene.materials = {MaskedMaterials{{colour({1, 0, 0}), colour({0, 1, 0})}, mask}};
     EXPECT_WITHIN(at(5).r, 0.5, 0.03);
 }
@@ -316,20 +287,15 @@ TEST_F(Path, TexelsAreDrawnFromTheirLobes) {
                            shared = brdf_at(prepared, {(float(t % 4) + 0.5f) / 4, (float(t / 4) + 0.5f) / 2});
         for (const double z : {0.2, 0.7}) {
             const Vec3f wv = to_float(spherical(std::acos(z), 1.0));
-            std::array<double, 2> mean{}, squares{};
-            constexpr int draws = 20000;
-            for (int i = 0; i < draws; ++i) {
-                const Vec2f u{float(uniform(random)), float(uniform(random))};
-                const float selector = float(uniform(random));
-                for (const std::size_t k : {0, 1}) {
-                    const LightSample drawn = sample(k == 0 ? single : shared, wv, u, selector);
-                    mean[k] += double(drawn.weight.g) / draws;
-                    squares[k] += double(drawn.weight.g) * double(drawn.weight.g) / draws;
-                }
+            Moments by_single, by_shared;
+            for (int i = 0; i < 20000; ++i) {
+                const Vec3f u = uniform_point(random);
+                by_single.add(double(sample(single, wv, {u.x, u.y}, u.z).weight.g));
+                by_shared.add(double(sample(shared, wv, {u.x, u.y}, u.z).weight.g));
             }
-            const auto variance = [&](std::size_t k) { return squares[k] - mean[k] * mean[k]; };
-            EXPECT_WITHIN(mean[1], mean[0], 4 * std::sqrt((variance(0) + variance(1)) / draws)) << axial;
-            EXPECT_LT(variance(1), 2 * variance(0) + 0.15 * mean[0] * mean[0]) << axial << z;
+            const double mean = by_single.mean(), deviation = std::sqrt(by_single.variance() + by_shared.variance());
+            EXPECT_WITHIN(by_shared.mean(), mean, 4 * deviation / std::sqrt(by_single.count)) << axial;
+            EXPECT_LT(by_shared.variance(), 2 * by_single.variance() + 0.15 * mean * mean) << axial << z;
         }
     }
 }
@@ -343,9 +309,9 @@ TEST_F(Path, EnvironmentStandsUpright) {
     scene.camera.eye = {0, -0.1, 5};
     // With the plane's normal upwards its light is above; with another axis upwards it comes from the side.
     scene.camera.up = {0, 0, 1};
-    const double upright = mean_of(render_paths(scene, small(50)).rendering.radiance).value;
+    const double upright = drawn_greens(scene, small(50)).mean();
     scene.camera.up = {0, 0, -1};
-    EXPECT_WITHIN(mean_of(render_paths(scene, small(50)).rendering.radiance).value, 0, 1e-6);
+    EXPECT_WITHIN(drawn_greens(scene, small(50)).mean(), 0, 1e-6);
     // cos² of half the angle: the sine squared of 45°, and a texel's rows beyond by bilinearity.
     EXPECT_TRUE(upright > 0.45 && upright < 0.6) << upright;
 }
@@ -370,7 +336,7 @@ TEST_F(Path, PictureDoesNotDependOnThreads) {
     EXPECT_EQ(calls, 16);
     EXPECT_EQ(last, 1);
     options.seed = 1;
-    EXPECT_NE(one.rendering.radiance, render_paths(scene, options).rendering.radiance);
+    EXPECT_NE(one.rendering.radiance, drawn(scene, options));
 }
 
 TEST(Rays, HitTheSphereAtItsDepthAndNormal) {
@@ -401,7 +367,7 @@ TEST_F(Path, TheRimIsBounded) {
     PathOptions options = small(4, 128);
     options.occlusion = false;
     float max = 0, min = 1;
-    for (const Rgb& pixel : render_paths(scene, options).rendering.radiance.pixels) {
+    for (const Rgb& pixel : drawn(scene, options).pixels) {
         max = std::max(max, pixel.g);
         min = std::min(min, pixel.g);
     }
@@ -461,7 +427,7 @@ TEST_F(Path, SceneOfAnySizeIsOnePicture) {
                               base.lights,
                               {},
                               &uniform_light()};
-        pictures.push_back(render_paths(scene, small(16)).rendering.radiance);
+        pictures.push_back(drawn(scene, small(16)));
     }
     for (const Image& picture : pictures)
         for (std::size_t i = 0; i < picture.pixels.size(); ++i)
@@ -469,25 +435,16 @@ TEST_F(Path, SceneOfAnySizeIsOnePicture) {
 }
 
 /// The program's way with good and bad input.
-class PathCommand : public testing::Test {
+class PathCommand : public ProgramTest {
   protected:
-    void SetUp() override {
-        const PmModel model = glossy();
-        ASSERT_TRUE(save_model({model, {}}, folder / "a.srbf").ok());
+    void SetUp() override { ASSERT_TRUE(save_model({glossy(), {}}, folder / "a.srbf").ok()); }
+    static Arguments command_of(const Arguments& arguments) {
+        return Arguments{"render", "a.srbf", "--size", "32x24", "--spp", "2"} + arguments;
     }
-    ProgramRun render(std::vector<std::string> arguments) {
-        arguments.insert(arguments.begin(), {"render", "a.srbf", "--size", "32x24", "--spp", "2"});
-        return run_srbf(folder, arguments);
+    ProgramRun render(const Arguments& arguments) { return run_srbf(folder, command_of(arguments)); }
+    void expect_refused(const Arguments& arguments, const std::string& part) {
+        expect_failure(1, command_of(arguments), part);
     }
-    void expect_refused(const std::vector<std::string>& arguments, const std::string& part) {
-        const auto before = folder.files();
-        const ProgramRun result = render(arguments);
-        EXPECT_EQ(result.status, 1) << result.err;
-        EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-        EXPECT_CONTAINS(result.err, part);
-        EXPECT_EQ(folder.files(), before);
-    }
-    const TemporaryFolder folder;
 };
 
 TEST_F(PathCommand, PicturesAreWritten) {

@@ -8,6 +8,7 @@
 #include "brdf/parts.h"
 #include "extras/render/exr.h"
 #include "extras/render/shading.h"
+#include "extras/render/test/psnr.h"
 #include "measured/tables.h"
 #include "models.h"
 #include "models/bsdf/bsdf_functions.h"
@@ -58,26 +59,24 @@ class Raster : public OpenGLTest {
     }
 
     Pixels pixels_of(const Scene& scene) {
-        const auto surface = RasterSurface::make(GetParam(), k_width, k_height);
-        if (!surface) return ADD_FAILURE() << message(surface.error()), Pixels();
+        const auto surface = checked(RasterSurface::make(GetParam(), k_width, k_height));
         surface->draw(RasterMesh(scene.mesh), view_of(scene));
         return {surface->read_positions(), surface->read_normals()};
     }
 
     /// The picture drawn in one pass, or in two.
     Image8 shown(const Scene& scene, const Material& material, float exposure, PixelInput input) {
-        constexpr auto bytes = RasterTarget::Format::bytes;
+        const bool is_deferred = input == PixelInput::surface;
         const RasterMesh mesh(scene.mesh);
         const RasterView view = view_of(scene, exposure);
-        const auto shader = RasterMaterial::make(material, {.dialect = GetParam(), .input = input});
-        const auto surface = RasterSurface::make(GetParam(), k_width, k_height);
-        if (!shader || !surface) return ADD_FAILURE() << message(shader ? surface.error() : shader.error()), Image8();
-        const auto target = input == PixelInput::surface ? RasterTarget::make_for(*surface)
-                                                         : RasterTarget::make(k_width, k_height, 1, bytes);
-        if (!target) return ADD_FAILURE() << message(target.error()), Image8();
-        if (input == PixelInput::surface) surface->draw(mesh, view);
+        const auto shader = checked(RasterMaterial::make(material, {.dialect = GetParam(), .input = input}));
+        const auto surface = checked(RasterSurface::make(GetParam(), k_width, k_height));
+        const auto target =
+            checked(is_deferred ? RasterTarget::make_for(*surface)
+                                : RasterTarget::make(k_width, k_height, 1, RasterTarget::Format::bytes));
+        if (is_deferred) surface->draw(mesh, view);
         target->begin();
-        if (input == PixelInput::surface)
+        if (is_deferred)
             shader->draw(*surface, view);
         else
             shader->draw(mesh, view);
@@ -87,8 +86,7 @@ class Raster : public OpenGLTest {
     /// The radiance of each pixel that the surface covers, else NaN.
     template <typename B> Image radiance(const Scene& scene, const Pixels& surface, const B& brdf) {
         using Text = Shading<float>;
-        constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-        Image image(k_width, k_height, {nan, nan, nan});
+        Image image(k_width, k_height, {NAN, NAN, NAN});
         for (std::size_t i = 0; i < surface.positions.size(); ++i) {
             const auto [x, y, z, covered] = surface.positions[i];
             const auto [nx, ny, nz, also] = surface.normals[i];
@@ -115,17 +113,11 @@ class Raster : public OpenGLTest {
         const float exposure = automatic_exposure(expected);
         EXPECT_LT(exposure, 1e6);  // there is something to see
         const Image8 picture = shown(scene, material, exposure, input);
-        double squares = 0, count = 0;
-        for (std::size_t i = 0; i < expected.pixels.size(); ++i) {
-            if (surface.positions[i][3] == 0) continue;
-            const Rgb8 pixel = to_srgb8(expected.pixels[i], exposure);
-            for (std::size_t c = 0; c < 3; ++c, ++count) {
-                const double difference = double(pixel[c]) - double(picture.pixels[i][c]);
-                squares += difference * difference;
-            }
-        }
-        EXPECT_GT(count, 0.1 * k_width * k_height);
-        return 10 * std::log10(255 * 255 * count / squares);
+        Psnr psnr;
+        for (std::size_t i = 0; i < expected.pixels.size(); ++i)
+            if (surface.positions[i][3] != 0) psnr.add(to_srgb8(expected.pixels[i], exposure), picture.pixels[i]);
+        EXPECT_GT(psnr.count, 0.1 * k_width * k_height);
+        return psnr.decibels();
     }
     std::map<const Scene*, Pixels> surfaces;
 };
@@ -245,9 +237,9 @@ TEST_P(Raster, MeasurementsLookAsOnTheCpu) {
 TEST_P(Raster, SamplesSmoothOutlines) {
     // Only the silhouette pixels of a white sphere lie between object and background.
     const auto between = [&](int samples) {
-        const auto target = RasterTarget::make(k_width, k_height, samples, RasterTarget::Format::floats);
-        const auto shader = RasterMaterial::make(Flat{}, {.dialect = GetParam(), .output = PixelOutput::radiance});
-        if (!target || !shader) return ADD_FAILURE(), -1L;
+        const auto target = checked(RasterTarget::make(k_width, k_height, samples, RasterTarget::Format::floats));
+        const auto shader =
+            checked(RasterMaterial::make(Flat{}, {.dialect = GetParam(), .output = PixelOutput::radiance}));
         EXPECT_EQ(target->samples(), samples);
         target->begin();
         shader->draw(RasterMesh(sphere_scene().mesh), view_of(sphere_scene()));
@@ -332,18 +324,15 @@ template <typename M> Rendering traced(const Scene& scene, const M& material) {
 
 /// PSNR [dB] against the path tracer's, where the object covers pixels as a whole.
 double psnr_to(const Rendering& expected, const Scene& scene, const Material& material) {
-    const auto drawn = rasterize(scene, std::vector<Material>{material}, k_traced, k_traced, 4);
-    if (!drawn) return ADD_FAILURE() << message(drawn.error()), 0;
+    const auto drawn = checked(rasterize(scene, std::vector<Material>{material}, k_traced, k_traced, 4));
     const float exposure = automatic_exposure(expected.radiance);
-    double squares = 0, count = 0;
-    for (std::size_t i = 0; i < expected.coverage.size(); ++i) {
-        if (!(expected.coverage[i] == 1 && (*drawn)[0].coverage[i] == 1)) continue;
-        const Rgb8 a = to_srgb8(expected.radiance.pixels[i], exposure),
-                   b = to_srgb8((*drawn)[0].radiance.pixels[i], exposure);
-        for (std::size_t c = 0; c < 3; ++c, ++count) squares += std::pow(double(a[c]) - double(b[c]), 2);
-    }
-    EXPECT_GT(count, 0.2 * k_traced * k_traced);
-    return 10 * std::log10(255 * 255 * count / squares);
+    Psnr psnr;
+    for (std::size_t i = 0; i < expected.coverage.size(); ++i)
+        if (expected.coverage[i] == 1 && (*drawn)[0].coverage[i] == 1)
+            psnr.add(to_srgb8(expected.radiance.pixels[i], exposure),
+                     to_srgb8((*drawn)[0].radiance.pixels[i], exposure));
+    EXPECT_GT(psnr.count, 0.2 * k_traced * k_traced);
+    return psnr.decibels();
 }
 
 TEST(Rasterize, BothSidesAreLitFromBothSides) {

@@ -4,9 +4,10 @@ tests(extras unit scene render likeness)
 test_program(extras_files -O0 SANITIZED)
 tests(extras_files "unit;input" mesh environment)
 if(reads_sanitized)
-  add_library(render_reading_sanitized OBJECT ${CMAKE_CURRENT_LIST_DIR}/../exr.cpp ${CMAKE_CURRENT_LIST_DIR}/../mesh_files.cpp)
-  target_link_libraries(render_reading_sanitized PRIVATE srbf_build srbf_sanitized srbf_render nlohmann_json::nlohmann_json TBB::tbb
-                        fmt::fmt PkgConfig::OpenEXR)
+  set(render ${CMAKE_CURRENT_LIST_DIR}/..)
+  add_library(render_reading_sanitized OBJECT ${render}/exr.cpp ${render}/mesh_files.cpp)
+  target_link_libraries(render_reading_sanitized PRIVATE srbf_build srbf_sanitized srbf_render TBB::tbb fmt::fmt
+                        nlohmann_json::nlohmann_json PkgConfig::OpenEXR)
   target_compile_options(render_reading_sanitized PRIVATE -O1 -g1 -w)
   set_target_properties(render_reading_sanitized PROPERTIES POSITION_INDEPENDENT_CODE OFF)
   target_link_libraries(extras_files_tests PRIVATE render_reading_sanitized)

@@ -63,7 +63,9 @@ PathScene plane_scene(const PreparedBrdf& brdf) {
     return scene;
 }
 
-Image drawn(const PathScene& scene, const PathOptions& options) { return drawn(scene, options); }
+Image drawn(const PathScene& scene, const PathOptions& options) {
+    return render_paths(scene, options).rendering.radiance;
+}
 /// The green channel of all pixels, as independent samples of one number.
 Moments greens_of(const Image& image) {
     Moments greens;
